@@ -7,6 +7,7 @@ mod beside;
 mod border;
 mod certificate;
 mod chance;
+mod compensated;
 mod compile_fuzz;
 mod conformance;
 mod costs;

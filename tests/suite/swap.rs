@@ -118,11 +118,25 @@ fn what_cannot_change_is_refused() {
 /// A group at the gesture rate goes on too, with what it was held by as the frame ended: the same version, to the bit.
 #[test]
 fn a_group_at_the_gesture_rate_goes_on_to_the_bit() {
+    for border in ["exact", "compensated"] {
+        group_goes_on(border);
+    }
+}
+
+/// The same with this border, and a link that the exact one would not take where it is compensated.
+fn group_goes_on(border: &str) {
+    let more = if border == "exact" {
+        ""
+    } else {
+        "[CUB]\nheld = { between = [\"slow.big\", \"s[20]\"], k = 100, k3 = 1e6 }\n"
+    };
     let slow = |k: f64| {
         let text = format!(
-            "[slow]\nrate = \"gesture\"\n[slow.MAS]\nbig = {{ m = \"50 g\", v = 0.5 }}\nfar = {{ m = \"50 g\" }}\n[STRING]\ns = {{ n \
+            "[slow]\nrate = \"gesture\"\nborder = \"{border}\"\n[slow.MAS]\nbig = {{ m = \"50 g\", v = 0.5 \
+             }}\nfar = {{ m = \"50 g\" }}\n[STRING]\ns = {{ n \
              = 40, f = \"110 Hz\", t60 = \"2 s\", m = \"1 g\" }}\n[REF]\nin = {{ between = [\"slow.big\", \"slow.far\"], k = {k} \
-             }}\ntie = {{ between = [\"slow.big\", \"s[9]\"], k = 200, z = 0.1 }}\n[SOX]\nleft = {{ from = \"s[7]\", gain = 100 }}\n"
+             }}\ntie = {{ between = [\"slow.big\", \"s[9]\"], k = 200, z = 0.1 }}\n[SOX]\nleft = {{ from = \"s[7]\", gain = 100 \
+             }}\n{more}"
         );
         Arc::new(scene(&text).scene)
     };

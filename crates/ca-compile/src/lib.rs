@@ -153,8 +153,8 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     modal::modal(model, &mut net, &mut diags);
     solve_order::choose_modes(&mut net);
     let mut certificate = certify::certify(model, &net, options.exact, &mut diags);
-    if let Some((own, _)) = &group {
-        certificate = certificate.beside(certify::certify(model, own, options.exact, &mut diags));
+    if let Some((own, part)) = &group {
+        certificate = certificate.beside(certify::certify(model, own, options.exact, &mut diags), part.compensated);
     }
     if diags.has_errors() {
         diags.sort();

@@ -54,7 +54,7 @@ pub fn schema(catalog: &Catalog) -> Json {
     }
     let mut group = kinds.clone();
     for kinds in [&mut group, &mut of_part] {
-        kinds.extend(GROUP.iter().map(|p| ((*p).to_string(), known(p, &OF_GROUP))));
+        kinds.extend(GROUP.iter().map(|p| ((*p).to_string(), of_group(p))));
     }
     defs.insert(
         "group".into(),
@@ -85,6 +85,17 @@ pub fn schema(catalog: &Catalog) -> Json {
         "additionalProperties": {"$ref": "#/$defs/group"},
         "$defs": defs,
     })
+}
+
+/// Keys of a group.
+fn of_group(key: &str) -> Json {
+    match key {
+        "border" => json!({
+            "enum": ["exact", "compensated"], "default": "exact",
+            "description": "how a group at the gesture rate is tied to the sound: by what is known of a frame as it begins; or by anything, what is not known being expected from the frames before, which is not proven"
+        }),
+        _ => known(key, &OF_GROUP),
+    }
 }
 
 /// Keys that are not parameters of kinds; `method` is what that key means here.

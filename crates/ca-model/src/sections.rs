@@ -20,7 +20,7 @@ pub const META: &[&str] = &[
 /// Keys of `[rate]`.
 pub const RATES: &[&str] = &["sound", "oversample", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
-pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim", "rate"];
+pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim", "rate", "border"];
 /// Root sections that may stand in a part too.
 pub const IN_PART: &[&str] = &["param", "use", "gesture"];
 /// Keys of a line of `[use]`.

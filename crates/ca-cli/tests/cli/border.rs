@@ -136,8 +136,35 @@ fn a_group_at_the_gesture_rate_is_reported() {
         "proven",
     ]);
     let j = desk.ca(&["check", "slow.ca.toml", "--schedule", "--json"]).is(0).json();
-    assert_eq!(j["summary"]["slow"], serde_json::json!({"masses": 200, "links": 201, "coupled": 1}));
+    assert_eq!(
+        j["summary"]["slow"],
+        serde_json::json!({"masses": 200, "links": 201, "coupled": 1, "compensated": false})
+    );
     assert!(j["schedule"]["ns_of_group_per_frame"].as_f64().unwrap() > 0.0);
     desk.put("struck.ca.toml", STRUCK);
     assert!(desk.ca(&["check", "struck.ca.toml", "--json"]).is(0).json()["summary"]["slow"].is_null());
+}
+
+/// A border that may make energy is said to, and what it made is shown; one that is exact has no such line.
+#[test]
+fn a_compensated_border_has_an_account() {
+    let desk = Desk::new();
+    let model = "[hammer]\nrate = \"gesture\"\nborder = \"compensated\"\n[hammer.MAS]\nhead = { m = \"50 g\", x = \"5 mm\", v = \"-1 m/s\" \
+                 }\n[CEL]\nbar = { m = \"20 g\", f = \"330 Hz\", t60 = \"2 s\" }\n[BUT]\nstrike = { between = [\"bar\", \
+                 \"hammer.head\"], k = \"20 kN/m\" }\n[SOX]\nout = { from = \"bar\", gain = 100 }\n";
+    desk.put("hit.ca.toml", model);
+    desk.ca(&["check", "hit.ca.toml"]).is(0).says(&[
+        "W107",
+        "stability  not proven",
+        "links across hold 1 of their axes, compensated:",
+    ]);
+    let render = ["render", "hit.ca.toml", "--energy", "--seconds", "0.5"];
+    desk.ca(&render).is(0).says(&["of it by the compensated border of groups at the gesture rate"]);
+    let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();
+    let of = |key: &str| j["energy"][key].as_f64().unwrap();
+    assert!(of("made_at_border") != 0.0 && of("made_at_border").abs() < 0.02 * of("peak"), "{j:#}");
+    assert!(of("relative_residual") < 1e-9, "{j:#}");
+    desk.put("hit.ca.toml", &model.replace("BUT", "RES"));
+    let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();
+    assert!(j["energy"]["made_at_border"].is_null(), "{j:#}");
 }

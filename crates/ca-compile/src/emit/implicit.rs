@@ -27,7 +27,7 @@ impl Plan<'_> {
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
             let End::Mat(m) = l.ends[side] else { continue };
             let mat = &self.net.mats[m as usize];
-            let heard = matches!(mat.role, MatRole::Port(..)) || heard.contains(&m);
+            let heard = matches!(mat.role, MatRole::Port(..) | MatRole::Slow) || heard.contains(&m);
             all.extend(directions(l, side, mat.slots()).into_iter().map(|(axis, w)| Pull {
                 place: self.slot[m as usize] + axis,
                 weight: sign * w,

@@ -86,7 +86,9 @@ pub fn schedule(
     let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1], !solved_modal.list.is_empty()];
     let back = back.into_iter().filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
-    let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).collect();
+    let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
+    let copies = slow.iter().flat_map(|(_, group, _)| group.ports.iter().map(|p| p.at));
+    let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).chain(copies).collect();
     let ledger = options.energy.then(|| {
         let mut live = plan.live.clone();
         live.sort_unstable();
@@ -106,9 +108,9 @@ pub fn schedule(
         let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
         LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
     });
-    let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
     let mut symbols = symbols(&plan, &links, place);
     let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
+    let unfused = slow.as_ref().filter(|(_, group, _)| group.compensated).map(|_| moves.clone());
     let mut live = plan.live_plan(implicit.as_ref());
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
@@ -176,7 +178,10 @@ pub fn schedule(
         moves = pass_list::merged(moves);
     }
     let summed = &forces[..forces.len() - fused];
-    let tick = slow.as_ref().map(|_| slow::Tick { forces: summed.to_vec(), moves: moves.clone() });
+    let tick = slow.as_ref().map(|_| match unfused {
+        Some(unfused) => slow::Tick::proportional(&listed, unfused),
+        None => slow::Tick { forces: summed.to_vec(), moves: moves.clone() },
+    });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
     let begin = match () {

@@ -10,8 +10,8 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
 use ca_core::numeric::{real, wide};
-use ca_core::op::Op;
 use ca_core::op::layout::{Copied, Layout, Response, SlowGroup};
+use ca_core::op::{Kernel, MeasureKind, Op};
 use ca_core::scene::Scene;
 use ca_core::state::{SlowState, State};
 
@@ -78,6 +78,7 @@ impl<'a> Slow<'a> {
             moves: self.scene.moves.clone(),
             ports,
             coupled,
+            compensated: self.part.compensated,
             shown,
             links: self.scene.lias(),
             masses: self.part.slow.iter().zip(&net.alive).filter(|(slow, alive)| **slow && **alive).count(),
@@ -87,7 +88,7 @@ impl<'a> Slow<'a> {
 
     /// The state at load of so many of its places.
     pub fn state(&self, group: &SlowGroup) -> SlowState {
-        let mut slow = SlowState::new(self.scene.initial.clone(), group.ports.len(), group.coupled);
+        let mut slow = SlowState::new(self.scene.initial.clone(), group.ports.len(), group.coupled, group.compensated);
         border::group::placed(group, &mut slow);
         slow
     }
@@ -108,10 +109,15 @@ impl<'a> Slow<'a> {
 /// Passes of the border, put where they belong.
 pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
     let ports = reads.iter().take_while(|op| matches!(op.name, "ENX" | "TGR in")).count();
-    reads.insert(ports, Op::pass("gesture group", border::group::advance, group.ports.len()));
+    let [advance, collect]: [Kernel; 2] = if group.compensated {
+        [border::group::advance::<true>, border::group::collect::<true>]
+    } else {
+        [border::group::advance::<false>, border::group::collect::<false>]
+    };
+    reads.insert(ports, Op::pass("gesture group", advance, group.ports.len()));
     if group.coupled > 0 {
         let kept = forces.iter().filter(|op| op.name == "ledger of forces").count();
-        forces.insert(forces.len() - kept, Op::pass("gesture group out", border::group::collect, group.coupled));
+        forces.insert(forces.len() - kept, Op::pass("gesture group out", collect, group.coupled));
     }
 }
 
@@ -121,6 +127,16 @@ pub struct Tick {
     pub forces: Vec<Op>,
     /// integration
     pub moves: Vec<Op>,
+}
+
+impl Tick {
+    /// What of a tick answers in proportion, of passes before rows are fused: a metre at each place says nothing of a contact.
+    pub fn proportional(forces: &[Op], moves: Vec<Op>) -> Tick {
+        let radial = |op: &Op| [Some(op.form.measure), op.form.onto].contains(&Some(MeasureKind::Radial));
+        let is =
+            |op: &&Op| op.law.is_none_or(|l| l.linear && l.mem == 0 && !l.is_staged() && !op.form.set && !radial(op));
+        Tick { forces: forces.iter().filter(is).copied().collect(), moves }
+    }
 }
 
 /// What the sound answers in a frame: `blank` is a state at load in which nothing has been put anywhere.

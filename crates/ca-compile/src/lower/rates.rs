@@ -34,6 +34,22 @@ ca_core::choice! {
 const RATE: Param =
     Param::new("rate", Type::Choice(GroupRate::WORDS), Need::Default(0.0), "how often a group is computed");
 
+ca_core::choice! {
+    /// How a group at the gesture rate is tied to the sound.
+    enum GroupBorder {
+        /// the force of a frame is known as it begins
+        Exact = "exact",
+        /// what is not known of it is expected from the frames before
+        Compensated = "compensated",
+    }
+}
+const BORDER: Param = Param::new(
+    "border",
+    Type::Choice(GroupBorder::WORDS),
+    Need::Default(0.0),
+    "how a group at the gesture rate is tied to the sound",
+);
+
 /// Sound rate, ticks in a sample, tick and ratio.
 pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut Diags) {
     let hertz = |key: &str, diags: &mut Diags| {
@@ -158,6 +174,7 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
             }
             "method" => m.method = v.word(methods, e, name).map_or(m.method, Method::of),
             "rate" => m.slow = GroupRate::of(v.word(&RATE, e, name)) == GroupRate::Gesture,
+            "border" => m.compensated = GroupBorder::of(v.word(&BORDER, e, name)) == GroupBorder::Compensated,
             "theta" => m.theta = v.word(&THETA, e, name).or(m.theta),
             _ => {}
         }

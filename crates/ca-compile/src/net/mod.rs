@@ -285,11 +285,21 @@ pub struct Medium {
     pub theta: Option<f64>,
     /// whether it is computed once a gesture frame
     pub slow: bool,
+    /// what a frame of the links across does need not be known as it begins
+    pub compensated: bool,
 }
 
 impl Default for Medium {
     fn default() -> Medium {
-        Medium { dim: 1, gravity: [0.0; 3], friction: 0.0, method: Method::Ca, theta: None, slow: false }
+        Medium {
+            dim: 1,
+            gravity: [0.0; 3],
+            friction: 0.0,
+            method: Method::Ca,
+            theta: None,
+            slow: false,
+            compensated: false,
+        }
     }
 }
 

@@ -4,7 +4,9 @@
 //! Decides that a link is of the group where it joins masses of the group with each other and with fixed points; any other
 //! with a mass of the group crosses. A force reaches one link further in each tick, so of the sound only what is fewer
 //! links away than a frame has ticks can answer within the frame: that, and nothing beyond it, has to be linear and the
-//! same at all times (docs/numerics.md §5.4).
+//! same at all times (docs/numerics.md §5.4). With `border = "compensated"` it need not be; the border goes without a forecast of
+//! what is not, and only where there is something of the kind. The word stands in the group, since it is the link across
+//! that may be anything for it, and in all groups at the gesture rate, since they are computed as one.
 
 use crate::net::{End, LiaNode, MatRole, Measure, OutputTap, Pruned};
 use alloc::collections::BTreeSet;
@@ -33,15 +35,19 @@ pub struct SlowPart {
     pub coupled: Vec<(u32, u8)>,
     /// MATs of the sound that answer within a frame
     pub reach: Vec<u32>,
+    /// something among them, or across, is not known as a frame begins, and need not be
+    pub compensated: bool,
 }
 
 /// Finds it, and says what may not be; `None` where nothing is at the gesture rate.
 pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> {
+    let compensated = net.media.iter().any(|m| m.slow && m.compensated);
+    let mut say = Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false };
+    say.borders();
     if !net.media.iter().any(|m| m.slow) {
         return None;
     }
     let in_slow = |group: Option<u32>| net.medium_of(group).slow;
-    let mut say = Findings { model, net, diags, said: BTreeSet::new() };
     say.groups();
     for m in net.mats.iter().filter(|m| in_slow(m.group) && m.code != MAS.code && m.code != SOL.code) {
         let help = if matches!(m.role, MatRole::Port(..)) {
@@ -80,6 +86,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
         slow,
         coupled: Vec::new(),
         reach: Vec::new(),
+        compensated: false,
     };
     let slow = &part.slow;
     let (mut coupled, mut edge) = (BTreeSet::new(), BTreeSet::new());
@@ -96,13 +103,18 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
         if !l.all_ends().any(|e| holds(e, slow)) {
             continue;
         }
-        if l.all_ends().any(point) {
+        if l.all_ends().any(|e| point(e) && holds(e, slow)) {
             let help = "end the link at a mass";
             say.item(l.item, &format!("`{}` ends at a moving point", l.name), "no mass of its own", help);
             continue;
         }
         if let Some(why) = varies(net, l) {
             say.varies(l, &why, None);
+            // by its force on all axes; what is at its other ends answers beside what is known
+            let held = l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
+            coupled.extend(
+                held.filter(|m| slow[*m as usize]).flat_map(|m| (0..net.axes(End::Mat(m))).map(move |k| (m, k))),
+            );
             continue;
         }
         for (end, axes) in l.ends.into_iter().zip(axes(net, l)) {
@@ -117,6 +129,8 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     part.coupled = coupled.into_iter().collect();
     part.reach = reach(net, &part, edge, &mut say);
     say.outputs(&part);
+    part.compensated = say.unknown;
+    say.compensated(&part);
     if part.coupled.len() > MOST {
         let title = format!(
             "{} axes of masses at the gesture rate are held by links across, {MOST} are the most",
@@ -144,6 +158,7 @@ const LIVE: &str = "give it a number, or let the group go at the sound rate";
 fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
     let radial = l.measure == Measure::Radial || l.onto.as_ref().is_some_and(|o| o.measure == Measure::Radial);
     Some(match () {
+        () if l.all_ends().any(|e| matches!(e, End::Point(_))) => "ends at a moving point".into(),
         () if net.is_live(l.item) => "follows a live parameter".into(),
         () if l.law.implicit || l.law.is_staged() => "is implicit".into(),
         () if !l.law.linear || l.law.mem > 0 || l.sets.is_some() => {
@@ -183,31 +198,31 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
         for m in now {
             let mat = &net.mats[m as usize];
             let last = distance == frame;
+            let (modal, wave) = (net.scheme(mat.group) == Scheme::Modal, waves.contains(&m));
             let why = match mat.role {
                 MatRole::Port(PortRole::Tgr, _) if net.crossing.shape == Shape::Hold => {
-                    "is a key with `border = \"hold\"`"
+                    say.held_key(mat.item, &format!("`{}` is a key with `border = \"hold\"`", mat.name), distance);
+                    continue;
                 }
                 MatRole::Port(PortRole::Tgr, _) => continue,
                 MatRole::Port(..) => "is moved from outside in every sample",
                 _ if mat.is_fixed() || part.slow[m as usize] => continue,
-                _ if net.scheme(mat.group) == Scheme::Modal => "goes by its modes",
-                _ if waves.contains(&m) => "is part of a string of waves",
+                _ if modal => "goes by its modes",
+                _ if wave => "is part of a string of waves",
                 _ if net.is_live(mat.item) => "follows a live parameter",
                 _ if pushed.contains(&m) && !last => "is pushed from outside in every sample",
                 _ => "",
             };
             if !why.is_empty() {
                 say.reached(mat.item, &format!("`{}` {why}", mat.name), distance);
-                continue;
             }
-            if last {
+            let ends = matches!(mat.role, MatRole::Port(..)) || modal || wave;
+            if last || !why.is_empty() && (ends || !say.compensated) {
                 continue;
             }
             for l in &at[m as usize] {
                 let l = &net.lias[*l as usize];
-                if l.all_ends().any(|e| matches!(e, End::Point(_))) {
-                    say.varies(l, "ends at a moving point", Some(distance));
-                } else if let Some(why) = varies(net, l) {
+                if let Some(why) = varies(net, l) {
                     say.varies(l, &why, Some(distance));
                 } else {
                     next.extend(l.all_ends().flat_map(|e| net.under(e)).filter(|m| !seen.contains(m)));
@@ -217,12 +232,19 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
         seen.extend(&next);
         (now, distance) = (next, distance + 1);
     }
-    // what does not move answers nothing, and what is of the group is a port
-    let moves = |m: &u32| {
+    // what does not move answers nothing, what is of the group is a port, and the state of modes and waves is no place
+    let counts = |m: &u32| {
         let mat = &net.mats[*m as usize];
-        !part.slow[*m as usize] && (!mat.is_fixed() || matches!(mat.role, MatRole::Port(..)))
+        let place = net.scheme(mat.group) != Scheme::Modal && !waves.contains(m);
+        !part.slow[*m as usize] && place && (!mat.is_fixed() || matches!(mat.role, MatRole::Port(..)))
     };
-    seen.into_iter().filter(moves).collect()
+    seen.into_iter().filter(counts).collect()
+}
+
+/// What answers within a frame, in words.
+fn within(why: &str, distance: u32) -> String {
+    let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
+    format!("{why}, and answers a group at the gesture rate within a frame, {links} from it")
 }
 
 /// What is said, once of each item.
@@ -231,6 +253,10 @@ struct Findings<'a> {
     net: &'a Pruned,
     diags: &'a mut Diags,
     said: BTreeSet<u32>,
+    /// what is not known as a frame begins is no error
+    compensated: bool,
+    /// there is something of the kind
+    unknown: bool,
 }
 
 impl Findings<'_> {
@@ -243,7 +269,10 @@ impl Findings<'_> {
     /// What mends an answer that is not known.
     fn farther(&self) -> String {
         let frame = self.net.ratio * self.net.oversample;
-        format!("more than {frame} links from the group it may be so; or let the group go at the sound rate")
+        format!(
+            "more than {frame} links from the group it may be so; or write `border = \"compensated\"` in the group, which is not \
+             proven, or let it go at the sound rate"
+        )
     }
 
     fn item(&mut self, item: u32, why: &str, label: &str, help: &str) {
@@ -254,28 +283,69 @@ impl Findings<'_> {
         }
     }
 
-    /// A module of the sound whose answer cannot be known as a frame begins.
-    fn reached(&mut self, item: u32, why: &str, distance: u32) {
-        if self.said.insert(item) {
+    /// Something whose answer cannot be known as a frame begins: an error, unless the border is compensated.
+    fn unknown(&mut self, item: u32, title: String) {
+        self.unknown = true;
+        if !self.compensated && self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
-            let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
-            let title = format!("{why}, and answers a group at the gesture rate within a frame, {links} from it");
             let d = Diag::error("E034", title).at(at, "not known as the frame begins");
             let farther = self.farther();
             self.diags.push(d.help(farther));
         }
     }
 
-    fn varies(&mut self, l: &LiaNode, why: &str, distance: Option<u32>) {
-        if let Some(distance) = distance {
-            return self.reached(l.item, &format!("`{}` {why}", l.name), distance);
+    /// A module of the sound of that kind.
+    fn reached(&mut self, item: u32, why: &str, distance: u32) {
+        self.unknown(item, within(why, distance));
+    }
+
+    /// A key that jumps, which no straight line through the frames before expects.
+    fn held_key(&mut self, item: u32, why: &str, distance: u32) {
+        if self.said.insert(item) {
+            let at = self.model.items[self.net.items[item as usize].model].name_span;
+            let d = Diag::error("E034", within(why, distance)).at(at, "not known as the frame begins");
+            self.diags.push(d.help("leave out `border` in `[rate]`, or let the group go at the sound rate"));
         }
-        if self.said.insert(l.item) {
-            let at = self.model.items[self.net.items[l.item as usize].model].name_span;
-            let title = format!("`{}` {why}, and ties a group at the gesture rate to the sound", l.name);
-            let d = Diag::error("E034", title).at(at, "not known as the frame begins");
-            let farther = self.farther();
-            self.diags.push(d.help(farther));
+    }
+
+    fn varies(&mut self, l: &LiaNode, why: &str, distance: Option<u32>) {
+        let why = format!("`{}` {why}", l.name);
+        match distance {
+            Some(distance) => self.reached(l.item, &why, distance),
+            None => self.unknown(l.item, format!("{why}, and ties a group at the gesture rate to the sound")),
+        }
+    }
+
+    /// Borders that are none, or not one.
+    fn borders(&mut self) {
+        for (g, m) in self.model.groups.iter().zip(&self.net.media) {
+            let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
+            let (title, label, help) = match (m.slow, m.compensated) {
+                (false, true) => (
+                    format!("`{}` goes at the sound rate, and has no border to compensate", g.name),
+                    "of a group at the gesture rate",
+                    "write `rate = \"gesture\"` too, or leave out `border`",
+                ),
+                (true, false) if self.compensated => (
+                    format!("`{}` has an exact border, and another group a compensated one", g.name),
+                    "groups at the gesture rate are computed as one",
+                    "write `border = \"compensated\"` in all of them, or in none",
+                ),
+                _ => continue,
+            };
+            let span = if m.compensated || at("border") != Span::NONE { at("border") } else { at("rate") };
+            self.diags.push(Diag::error("E034", title).at(span, label).help(help));
+        }
+    }
+
+    /// What of a border that is in use is not proven.
+    fn compensated(&mut self, part: &SlowPart) {
+        if part.compensated && !self.diags.has_errors() {
+            let title = "stability is not proven: `border = \"compensated\"` expects what links across do from the frames before";
+            let of = self.model.groups.iter().flat_map(|g| &g.props).find(|e| e.key == "border");
+            let d = Diag::warning("W107", title).at(of.map_or(Span::NONE, |e| e.span), "may make energy");
+            let help = "`ca render --energy` says how much; with a higher `gesture` in `[rate]` it is less";
+            self.diags.push(d.help(help));
         }
     }
 

@@ -9,15 +9,24 @@
 //! That mean force hangs on the motion it drives. What the sound side answers in a frame is linear in what is known as the
 //! frame begins and in the motion of the border, so both are had at once from a matrix that the compiler made, and no
 //! tick of sound is run twice.
+//!
+//! Where a model asks for it (`border = "compensated"`), links across may do what no matrix knows: a contact, a number that
+//! is turned. What they did beside the forecast is found as their frame ends, and expected of the next frame on the parabola
+//! through those of the last three. Changes from frame to frame are the stiffness across times the motion, so they make up
+//! for the delay as slopes would, with no slope of any law, and by the stiffness that all of the sound side has together.
+//! What is added to one frame is taken from the next two, so momentum is kept. A straight line would be enough for the delay,
+//! and made a spring across a negative damper of higher order; by the parabola it is a positive one. Energy is not kept:
+//! the ledger has an account of it.
 
 use crate::numeric::{real, wide};
 use crate::op::Op;
 use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::op::substep::phase;
-use crate::state::{Between, SlowState, State};
+use crate::state::{Between, SlowState, State, Unknown};
 
-/// Steps the group as a frame begins, and moves the copies of its places in every tick.
-pub fn advance(_op: &Op, layout: &Layout, s: &mut State) {
+/// Steps the group as a frame begins, and moves the copies of its places in every tick. Whether its border is
+/// compensated was chosen at load.
+pub fn advance<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(group) = layout.slow.as_deref() else { return };
     let Some(mut slow) = s.slow.take() else { return };
     let j = phase(layout.frame, s.tick);
@@ -26,7 +35,11 @@ pub fn advance(_op: &Op, layout: &Layout, s: &mut State) {
         // its ledger looks at what it holds
         run(&group.reads, group, &mut slow.state);
     } else if j == 1 {
-        step(group, layout, s, &mut slow);
+        if COMPENSATED {
+            let made = expect(layout, &mut slow);
+            s.ledger.iter_mut().for_each(|l| l.border += made);
+        }
+        step::<COMPENSATED>(group, layout, s, &mut slow);
     }
     if j <= 1 {
         show(group, &slow, s);
@@ -49,12 +62,35 @@ pub fn advance(_op: &Op, layout: &Layout, s: &mut State) {
     s.slow = Some(slow);
 }
 
-/// Keeps the forces on what links across hold, after the forces of a tick.
-pub fn collect(_op: &Op, layout: &Layout, s: &mut State) {
+/// Keeps the forces on what links across hold, after the forces of a tick; of a compensated border, their sum over the frame too.
+pub fn collect<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State) {
     let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
         b.force = wide(s.f[p.at as usize]);
     }
+    if COMPENSATED {
+        let weight = match phase(layout.frame, s.tick) {
+            0 => 0.0,
+            j if j == layout.frame => 0.5,
+            _ => 1.0,
+        };
+        slow.unknown.iter_mut().zip(&slow.ports).for_each(|(u, b)| u.sum += weight * b.force);
+    }
+}
+
+/// As a frame ends: what links across did in it that was not known, and what of it is expected in the next. Returns the
+/// energy that the frame made, what the group was given beyond what was taken from the sound \[J\].
+fn expect(layout: &Layout, slow: &mut SlowState) -> f64 {
+    let mut made = 0.0;
+    for (u, b) in slow.unknown.iter_mut().zip(&slow.ports) {
+        let missed = u.sum / f64::from(layout.frame) - u.given;
+        made -= missed * (b.to - b.from);
+        let was = u.expected + missed;
+        let [one, two] = u.last;
+        // the last force of a frame is the first of the next
+        *u = Unknown { sum: 0.5 * b.force, given: 0.0, expected: 3.0 * (was - one) + two, last: [was, one] };
+    }
+    made
 }
 
 /// Where a place of the group is at the end of the frame.
@@ -70,6 +106,7 @@ pub fn placed(group: &SlowGroup, slow: &mut SlowState) {
         let to = end(slow, *p);
         slow.ports[k] = Between { from: to, to, force: 0.0 };
     }
+    slow.unknown.fill(Unknown::default());
 }
 
 /// The copies that are only looked at.
@@ -86,10 +123,10 @@ fn run(list: &[Op], group: &SlowGroup, s: &mut State) {
 }
 
 /// One frame of the group: its own forces, those of the links across, integration.
-fn step(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+fn step<const COMPENSATED: bool>(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
     run(&group.reads, group, &mut slow.state);
     run(&group.forces, group, &mut slow.state);
-    couple(group, layout, s, slow);
+    couple::<COMPENSATED>(group, layout, s, slow);
     run(&group.after, group, &mut slow.state);
     run(&group.moves, group, &mut slow.state);
     slow.state.tick += 1;
@@ -101,10 +138,10 @@ fn step(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
 }
 
 /// The mean force of the frame on each port, as a force from outside.
-fn couple(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+fn couple<const COMPENSATED: bool>(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
     let (response, n) = (&group.response, group.layout.n_mat);
     let width = 1 + 2 * response.places.len();
-    let SlowState { state, ports, free } = slow;
+    let SlowState { state, ports, unknown, free } = slow;
     let half = 0.5 / f64::from(layout.frame);
     for (i, p) in group.ports.iter().enumerate().take(group.coupled) {
         let row = &response.known[i * width..][..width];
@@ -112,6 +149,9 @@ fn couple(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
         for (weights, at) in row[1..].chunks_exact(2).zip(&response.places) {
             let at = *at as usize;
             force += weights[0] * wide(s.x[at]) + weights[1] * wide(s.d[at]);
+        }
+        if COMPENSATED {
+            force += unknown[i].expected;
         }
         let m = p.own as usize;
         let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(wide);
@@ -125,5 +165,8 @@ fn couple(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
         let answer: f64 = row.iter().zip(&free[..]).map(|(a, d)| a * d).sum();
         state.input[i] += answer;
         state.f[group.ports[i].own as usize] += real(state.input[i]);
+    }
+    if COMPENSATED {
+        unknown.iter_mut().zip(&state.input).for_each(|(u, force)| u.given = *force);
     }
 }

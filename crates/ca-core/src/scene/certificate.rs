@@ -14,7 +14,8 @@ pub enum Level {
     Linearised,
     /// the linear links are proven; contacts and non-linear links obey a rule of thumb
     RuleOfThumb,
-    /// neither the bounds nor, where there was one, a factorisation settles it
+    /// neither the bounds nor, where there was one, a factorisation settles it; or groups at the gesture rate have a compensated
+    /// border
     #[default]
     NotProven,
     /// above the limit, by a module alone or by all together
@@ -93,9 +94,9 @@ pub struct Certificate {
 
 impl Certificate {
     /// That of a scene and of its groups at the gesture rate together, from one of each by itself: what crosses between them is
-    /// exact, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
+    /// exact, if not `compensated`, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
     #[must_use]
-    pub fn beside(self, slow: Certificate) -> Certificate {
+    pub fn beside(self, slow: Certificate, compensated: bool) -> Certificate {
         let nearer = slow.bound > self.bound;
         let largest = match (self.largest, slow.largest) {
             (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
@@ -103,7 +104,7 @@ impl Certificate {
         };
         let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
         Certificate {
-            level: self.level.max(slow.level),
+            level: self.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
             bound: self.bound.max(slow.bound),
             lower: self.lower.max(slow.lower),
             exact: self.exact || slow.exact,

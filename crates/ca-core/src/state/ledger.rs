@@ -49,6 +49,8 @@ pub struct Ledger {
     pub pointer: f64,
     /// work received from groups at the gesture rate
     pub(crate) crossed: f64,
+    /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
+    pub border: f64,
     /// what these groups hold and lose by a ledger of their own, up to the last frame
     pub slow: Balance,
     /// that of the tick which the ledger has not entered yet
@@ -119,7 +121,7 @@ pub struct Balance {
     pub h: f64,
     /// heat \[J\]
     pub lost: f64,
-    /// error of the scheme: what non-linear links gave that nothing gave them \[J\]
+    /// error of the scheme: what non-linear links, and a compensated border, gave that nothing gave them \[J\]
     pub scheme_error: f64,
     /// received from ports and a pointer \[J\]
     pub work: f64,
@@ -143,7 +145,7 @@ impl Ledger {
             h0: self.h0 + slow.h0,
             h: self.h + slow.h + self.under_way(),
             lost: lost + slow.lost,
-            scheme_error: scheme_error + slow.scheme_error,
+            scheme_error: scheme_error + self.border + slow.scheme_error,
             work,
             changed: self.changed + slow.changed,
             residual: residual + slow.residual,
@@ -154,7 +156,7 @@ impl Ledger {
     /// What one side of the border of groups at the gesture rate gave and the other has not entered yet \[J\], a part of the energy
     /// now: when a frame is entered, what the links across do in half a tick.
     pub fn under_way(&self) -> f64 {
-        -(self.crossed + self.slow.work)
+        self.border - (self.crossed + self.slow.work)
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.

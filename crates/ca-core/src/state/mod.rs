@@ -51,6 +51,20 @@ pub struct Between {
     pub force: f64,
 }
 
+/// What a place of a group is given by a border that does not know all of a frame as it begins (`border = "compensated"`):
+/// mean forces \[N\] of frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Unknown {
+    /// of the links across in the frame being played: what has been summed of it
+    pub(crate) sum: f64,
+    /// what the group was given for this frame
+    pub(crate) given: f64,
+    /// of that, the part that was not known, as expected from the three frames before
+    pub(crate) expected: f64,
+    /// that part as it was, in the last whole frame and the one before
+    pub(crate) last: [f64; 2],
+}
+
 /// The groups at the gesture rate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SlowState {
@@ -59,14 +73,22 @@ pub struct SlowState {
     pub state: State,
     /// as [`SlowGroup::ports`](crate::op::layout::SlowGroup::ports)
     pub ports: Vec<Between>,
+    /// of those that links across hold, where the border is compensated (coupled, or none)
+    pub unknown: Vec<Unknown>,
     /// motion in the frame without what answers it \[m\], in passing (coupled)
     pub(crate) free: Vec<f64>,
 }
 
 impl SlowState {
-    /// At load: `state` as it begins, so many `ports`, so many of them `coupled`.
-    pub fn new(state: State, ports: usize, coupled: usize) -> SlowState {
-        SlowState { state, ports: alloc::vec![Between::default(); ports], free: alloc::vec![0.0; coupled] }
+    /// At load: `state` as it begins, so many `ports`, so many of them `coupled`, by a border that is `compensated` or exact.
+    pub fn new(state: State, ports: usize, coupled: usize, compensated: bool) -> SlowState {
+        let unknown = if compensated { coupled } else { 0 };
+        SlowState {
+            state,
+            ports: alloc::vec![Between::default(); ports],
+            unknown: alloc::vec![Unknown::default(); unknown],
+            free: alloc::vec![0.0; coupled],
+        }
     }
 }
 
@@ -240,7 +262,9 @@ impl State {
         }
         if let Some(slow) = &self.slow {
             word(&mut h, slow.state.bits());
-            slow.ports.iter().flat_map(|p| [p.from, p.to, p.force]).for_each(|v| word(&mut h, v.to_bits()));
+            let unknown = slow.unknown.iter().flat_map(|u| [u.sum, u.given, u.expected, u.last[0], u.last[1]]);
+            let ports = slow.ports.iter().flat_map(|p| [p.from, p.to, p.force]);
+            ports.chain(unknown).for_each(|v| word(&mut h, v.to_bits()));
         }
         h.write(&self.tick.to_le_bytes());
         h.finish()

@@ -152,7 +152,11 @@ impl Swap {
                 }
                 group::placed(group, slow);
                 for [from, to] in &next.held {
-                    slow.ports[*to as usize].force = old.ports[*from as usize].force;
+                    let (from, to) = (*from as usize, *to as usize);
+                    slow.ports[to].force = old.ports[from].force;
+                    if let (Some(now), Some(before)) = (slow.unknown.get_mut(to), old.unknown.get(from)) {
+                        *now = *before;
+                    }
                 }
                 slow.state.tick = old.state.tick;
             }

@@ -135,9 +135,14 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     }
     writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
     if let Some(group) = &scene.slow {
+        let how = if group.compensated {
+            ", compensated: what is not known of a frame is expected from those before, which is not proven"
+        } else {
+            ", exactly"
+        };
         writeln!(
             out,
-            "  group      {} masses and {} links once a frame; links across hold {} of their axes, exactly",
+            "  group      {} masses and {} links once a frame; links across hold {} of their axes{how}",
             group.masses, group.links, group.coupled
         )?;
     }
@@ -187,7 +192,9 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
         "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
         "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
         "outputs": scene.channel_names, "inputs": inputs,
-        "slow": scene.slow.as_ref().map(|g| json!({"masses": g.masses, "links": g.links, "coupled": g.coupled})),
+        "slow": scene.slow.as_ref().map(|g| json!({
+            "masses": g.masses, "links": g.links, "coupled": g.coupled, "compensated": g.compensated,
+        })),
         "live": live, "driven": driven, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
     })
 }

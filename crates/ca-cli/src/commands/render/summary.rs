@@ -267,6 +267,13 @@ impl Summary<'_> {
         for (name, error) in &makers(self.audited, &a.ledger, 5) {
             writeln!(out, "      {} of it by `{name}`", joule(*error))?;
         }
+        if compensated(self.audited) {
+            writeln!(
+                out,
+                "      {} of it by the compensated border of groups at the gesture rate",
+                joule(a.ledger.border)
+            )?;
+        }
         writeln!(out, "    stored   {}", joule(b.h))?;
         for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
@@ -299,7 +306,7 @@ impl Summary<'_> {
                 "seconds": a.ticks as f64 * self.scene.sample_dt, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
-                "hands": hands,
+                "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.border),
             })
         });
         let divergence =
@@ -334,6 +341,11 @@ pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     } else {
         ""
     }
+}
+
+/// True where groups at the gesture rate have a border that may make energy.
+fn compensated(scene: &Scene) -> bool {
+    scene.slow.as_ref().is_some_and(|g| g.compensated)
 }
 
 /// The links that made most energy, so many of them, most first.

@@ -227,6 +227,9 @@ pub(super) fn stability(scene: &Compiled) -> Section {
         Level::Proven => "every link is linear and the bound is below the limit, at every setting",
         Level::Linearised => "proven for small motions about the pose at load",
         Level::RuleOfThumb => "the linear links are proven; contacts and non-linear links obey a rule of thumb",
+        Level::NotProven if scene.slow.as_ref().is_some_and(|g| g.compensated) => {
+            "a compensated border may make energy, and its account says how much"
+        }
         Level::NotProven => "the bounds do not settle it",
         Level::Unstable => "above the limit",
     };

@@ -47,6 +47,8 @@ pub struct SlowGroup {
     pub ports: Vec<Copied>,
     /// how many links across hold
     pub coupled: usize,
+    /// true where not all that these links do in a frame is known as it begins
+    pub compensated: bool,
     /// places whose copies are only looked at, once a frame
     pub shown: Vec<Copied>,
     /// links within it
