@@ -30,7 +30,7 @@ fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
             let mut x = 0.0;
             (0..1000)
                 .map(|_| {
-                    x += 0.8 / 3000.0;
+                    x += 1.6 / 3000.0;
                     rig.go(&[x])
                 })
                 .last()

@@ -74,7 +74,7 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[test]
 fn h3_force_does_not_jump() {
     // 1 MN/m: 0.2 mm are 200 N, which the device cuts to 10; 40 kN/m times 0.5 m/s allow 6.67 N a frame
-    let mut rig = Rig::new(&KEY.replace("500", "1e6"), profile(|p| p.guard.oscillation = false));
+    let mut rig = Rig::new(&KEY.replace("500", "1e6"), profile(|p| (p.guard.oscillation, p.guard.speed) = (false, 0.5)));
     rig.on(&[0.0]);
     let (mut last, mut slowed) = (0.0, 0);
     for n in 0..300 {
@@ -199,19 +199,19 @@ fn h7_every_frame_says_how_long_it_lives() {
 fn h9_a_throw_is_braked_then_off() {
     let mut rig = Rig::new(KEY, profile(|p| p.range = [-10.0, 10.0]));
     rig.on(&[0.0]);
-    // 0.75 m/s, half as fast again as the trip
+    // 1.5 m/s, half as fast again as the trip
     let mut x = 0.0;
     let mut damped = 0;
     for n in 0..900 {
-        x += 0.75 * FRAME_DT;
+        x += 1.5 * FRAME_DT;
         let f = rig.go(&[x]);
         match mode(&f) {
-            Mode::On => assert!(n < 4, "frame {n} at 0.75 m/s"),
+            Mode::On => assert!(n < 4, "frame {n} at 1.5 m/s"),
             Mode::Damp => {
                 damped += 1;
                 assert_eq!(cause(&f), Cause::Velocity);
                 if damped > 4 {
-                    within("−b v", (force(&f) + 5.0 * 0.75).abs(), 1e-5);
+                    within("−b v", (force(&f) + 5.0 * 1.5).abs(), 1e-5);
                 }
             }
             _ => assert!(is_off(&f, Cause::Velocity)),

@@ -180,20 +180,24 @@ def test_modes_are_dots_over_what_is_heard() -> None:
     ax = plot.modes(m)
     drawn(ax)
     x, y = ax.lines[0].get_data()
-    assert np.array_equal(x, m.heard) and np.array_equal(y, m.t60) and len(ax.lines) == 1
+    # the hammer, which is free and falls by a spring that nothing damps, stands at the edge
+    rings = (m.heard > 0) & (m.t60 < 86400)
+    assert np.array_equal(x, m.heard[rings]) and np.array_equal(y, m.t60[rings]) and len(ax.lines) == 2
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency as heard [Hz]", "T60 [s]")
     low, high = ax.get_ylim()
-    assert low < m.t60.min() and m.t60.max() < high
-    ax = plot.modes(m, "right")
+    assert low < m.t60[rings].min() and m.t60[rings].max() < high
+    # three glasses, of which each output hears one
+    m = ca.load("glass").modes()
+    ax = plot.modes(m, "rim1")
     drawn(ax)
-    level = np.abs(m.levels[:, m.ports.index("right")])
+    level = np.abs(m.levels[:, m.ports.index("rim1")])
     shown = dict(zip(*ax.lines[0].get_data()))
     # what does not move there is not shown
     assert set(shown) == set(m.heard[level > 1e-6 * level.max()]) and len(shown) < len(m)
     for f, l in zip(m.heard, level):
         assert f not in shown or shown[f] == pytest.approx(20 * np.log10(l / level.max()), abs=1e-9)
-    assert ax.get_ylabel() == "level at `right` [dB, the loudest = 0]"
-    with pytest.raises(ca.UsageError, match="left, right, strike"):
+    assert ax.get_ylabel() == "level at `rim1` [dB, the loudest = 0]"
+    with pytest.raises(ca.UsageError, match="rim1, rim2"):
         plot.modes(m, "middle")
 
 

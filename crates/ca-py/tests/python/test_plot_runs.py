@@ -184,7 +184,7 @@ def test_a_take_is_where_hands_were_and_what_they_got(tmp_path: Path) -> None:
 
 
 def test_where_forces_ended_stands_in_a_take(tmp_path: Path) -> None:
-    t = keys(tmp_path / "t.mcap", 0.01)
+    t = keys(tmp_path / "t.mcap", 0.005)
     (fault,) = t.faults
     above, below = plot.take(t)
     drawn(above)

@@ -92,7 +92,7 @@ def test_a_bad_run_is_a_row():
 def test_gestures_go_along_to_other_processes(tmp_path):
     key = ca.load("hammered_string")
     (tmp_path / "blow.csv").write_text("time,key\n0,-0.008\n0.01,0\n0.1,-0.008\n")
-    samples = 0.008 * (np.hanning(4800) - 1)
+    samples = 0.008 * (np.hanning(1200) - 1)
     for gesture in [{"key": [(0, -0.008), (0.01, 0), (0.1, -0.008)]}, {"key": samples}, str(tmp_path / "blow.csv")]:
         here = ca.sweep(key, {"hammer.m": ["4 g", "8 g"]}, seconds=0.2, gesture=gesture)
         with spawned(1) as processes:

@@ -193,7 +193,7 @@ def test_a_take_that_was_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> No
 
 
 def test_a_page_of_a_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    throw = {"key": [(0, -6e-3), (1.3, -6e-3), (1.31, 1e-3)]}
+    throw = {"key": [(0, -6e-3), (1.3, -6e-3), (1.305, 1e-3)]}
     t = ca.record(keyed("A <key> & a string"), tmp_path / "t.mcap", 1.6, gesture=throw)
     page = t._repr_html_()
     assert page.startswith("<div>") and page.endswith("</div>") and "http" not in page and "<script" not in page
