@@ -201,7 +201,7 @@ const BELT: &str = "[SOL]\nwall = {}\n[ENX]\nbelt = {}\n[MAS]\nblock = { m = \"1
 
 const PLECTRUM: &str = "[STRING]\nlow = { n = 40, f = \"110 Hz\", t60 = \"3 s\", m = \"0.1 g\" }\n\
                         [MAS]\npick = { m = \"2 g\", x = \"-2 mm\", v = \"0.8 m/s\" }\n\
-                        [PLK]\npluck = { between = [\"pick\", \"low[7]\"], k = \"2 kN/m\", d = \"1 mm\", side = \"up\", engaged = false }\n[SOX]\nout = { from = \"low[30]\" }\n";
+                        [PLK]\npluck = { between = [\"low[7]\", \"pick\"], k = \"2 kN/m\", d = \"1 mm\", side = \"up\", engaged = false }\n[SOX]\nout = { from = \"low[30]\" }\n";
 
 const STOP: &str = "[SOL]\nceiling = { x = \"1 mm\" }\n[CEL]\nreed = { m = \"1 g\", f = \"180 Hz\", t60 = \"1 s\", dx0 = \"-2 mm\" }\n\
                     [BUT]\nbeat = { between = [\"reed\", \"ceiling\"], k = \"20 kN/m\", z = \"2 N s/m\", sticky = false }\n\
