@@ -8,7 +8,7 @@ const HEAD: &str = "# Error against run time
 
 `UPDATE=1 cargo bench -p ca-cli --bench accuracy` makes it anew: do not edit.
 
-What `ca accuracy` finds of seven scenes: every method they know, at multiples of 48 kHz. **Error** is the distance of
+What `ca accuracy` finds of twelve scenes: every method they know, at multiples of 48 kHz. **Error** is the distance of
 what the outputs hear from the reference, relative, before gains and filters, and cannot be less than the reference is
 known; **spectrum** the same of the levels of its partials; **cents** and **decay dB** how far the strongest partial and
 the loudness of the second half are off; **energy** the energy that the scheme gives or takes, relative to the most there

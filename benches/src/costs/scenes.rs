@@ -105,6 +105,14 @@ fn apart(kind: &str, params: &str) -> String {
     )
 }
 
+/// A string of 200 masses at this rate, tied to a cell that is heard.
+fn slow(rate: &str) -> String {
+    format!(
+        "[g]\nrate = \"{rate}\"\n[g.STRING]\nlow = {{ n = 200, f = \"2 Hz\", m = \"1 g\" }}\n[CEL]\nbob = {{ m = 1e-3, k = 100, dx0 = 1e-3 }}\n\
+         [RES]\ntie = {{ between = [\"g.low[99]\", \"bob\"], k = 10 }}\n[SOX]\nout = {{ from = \"bob\" }}\n"
+    )
+}
+
 /// The same in space.
 fn adrift(kind: &str, params: &str) -> String {
     format!("[q]\ndim = 3\n{}", apart(kind, params).replace("k = 100", "x = [1, 0, 0]").replace("CEL", "MAS"))
@@ -270,6 +278,7 @@ fn methods() -> Vec<CostRow> {
         string(100).replace("STRING", "low.STRING").replace("s[3]", "low.s[3]")
     );
     let hidden = "[q]\nmethod = \"modal\"\n[q.STRING]\nt = { n = 10, m = 1e-3, k = 1e3 }\n";
+    let idle = "[q]\nrate = \"gesture\"\n[q.MAS]\nm = { m = 1 }\n[q.SOL]\nw = {}\n[q.RES]\nr = { between = [\"q.w\", \"q.m\"], k = 1 }\n";
     vec![
         beside(
             "method `centred`",
@@ -328,6 +337,7 @@ fn methods() -> Vec<CostRow> {
         beside("method `secant`", "BOW", N, pressing("BOW", RUBS, "secant"), &apart("BOW", RUBS, "secant")),
         beside("method `newton`", "BOW", N, pressing("BOW", RUBS, "newton"), &apart("BOW", RUBS, "newton")),
         beside("method `set-valued`", "BOW", N, pressing("BOW", DRY, "set-valued"), &apart("BOW", DRY, "set-valued")),
+        beside("group at the gesture rate", "a mass of a string of 200", 200, ["sound", "gesture"].map(slow), idle),
     ]
 }
 

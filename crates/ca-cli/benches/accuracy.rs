@@ -1,4 +1,4 @@
-//! Error against run time of seven scenes, by `ca accuracy` as a process.
+//! Error against run time of twelve scenes, by `ca accuracy` as a process.
 //!
 //! Decides on what the command itself says of a scene, so that whoever reads the page can ask it again of theirs. Prints
 //! the page; with `UPDATE=1` writes it to `docs/measured/accuracy.md` and its pictures to `docs/measured/accuracy/`.
