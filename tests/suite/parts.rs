@@ -274,6 +274,12 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
     let all = with("p = { part = 'p', with = { f = [9, 8, 7] } }", "").replace("p[*]", "p");
     assert!(all.contains("[E006]: `f` of `p` must be a number, not a list") && all.contains("add `n = 3`"), "{all}");
     assert_eq!(all.matches("E006").count(), 1, "{all}");
+    let twice = format!(
+        "{}{tail}[use]\np = {{ part = 'p', with = {{ f = [9, 8, 7] }} }}",
+        head.replace("f = 'f' }", "f = '2 f' }")
+    );
+    let all = errors(&twice, &[]);
+    assert!(all.contains("add `n = 3`") && !all.contains("E007"), "{all}");
     // a name is unique among modules, groups and instances
     let all = with("p = { part = 'p', n = 2, with = { f = 9 } }", "[CEL]\np = { m = 1, f = 9 }\n");
     assert!(all.contains("E012"), "{all}");

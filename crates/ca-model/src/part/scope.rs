@@ -59,10 +59,11 @@ impl Scope {
             Some(Type::Midi) => each(e, &|t| self.word(t).or_else(|| self.scaled(t))),
             Some(Type::Flag | Type::Text | Type::File) => each(e, &|t| self.word(t)),
             Some(Type::Number { .. } | Type::PowerStiffness { .. } | Type::Count { .. }) => {
-                if let Value::Text(t) = &e.value
-                    && let Some(Arg::Other(Value::List(l), _)) = self.args.get(t.trim())
-                {
-                    self.lists.borrow_mut().insert(t.trim().into(), l.len());
+                if let Value::Text(t) = &e.value {
+                    let name = product(t).map_or(t.trim(), |p| p.1);
+                    if let Some(Arg::Other(Value::List(l), _)) = self.args.get(name) {
+                        self.lists.borrow_mut().insert(name.into(), l.len());
+                    }
                 }
                 each(e, &|t| self.number(t))
             }
@@ -107,7 +108,8 @@ impl Scope {
                 Some((more, name)) => (factor * more, name.into()),
                 None => (factor, t.clone()),
             },
-            Arg::Outer(..) | Arg::Other(..) => return None,
+            // no number: what is said of it is said of this
+            Arg::Outer(v, _, span) | Arg::Other(v, span) => return Some((v.clone(), Some(*span))),
         };
         Some((Value::Text(format!("{factor} {name}")), None))
     }

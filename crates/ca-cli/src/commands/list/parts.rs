@@ -38,7 +38,9 @@ pub fn page(part: &Part, header: &str) -> String {
             let _ = writeln!(out, "  {:<width$}  rests at {}{midi}", p.name, p.rest);
         }
         out += "\n  [gesture]\n";
-        ports.iter().for_each(|p| out += &format!("  {}\n", p.gesture(&part.name)));
+        for p in &ports {
+            let _ = writeln!(out, "  {}", p.gesture(&part.name));
+        }
     }
     let needed: Vec<String> =
         part.body.params.iter().filter(|p| is_needed(p)).map(|p| format!("{} = …", p.key)).collect();
