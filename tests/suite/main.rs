@@ -48,6 +48,7 @@ mod quantity;
 mod reader;
 mod references;
 mod ring;
+mod scaled;
 mod scheme;
 mod select;
 mod set;

@@ -264,6 +264,22 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
         let all = with(uses, more);
         assert!(all.contains(&format!("error[{code}]")) && all.contains(says), "{uses}\n{more}\n{all}");
     }
+    // what follows from a list that is too short, or that is one of many, is not said
+    let midi = "[part.p.param]\nnote = {}\n[part.p.TGR]\nkey = { midi = { note = 'note', to = '1 mm' } }\n";
+    let short = midi.to_owned() + "[part.p.CEL]\nbar = { m = 1, f = 9 }\n";
+    let of =
+        |uses: &str| format!("{short}[part.p.REF]\nr = {{ between = ['key', 'bar'], k = 1 }}\n{tail}[use]\n{uses}");
+    let all = errors(&of("p = { part = 'p', n = 3, with = { note = ['C4', 'D4'] } }"), &[]);
+    assert!(all.contains("E018") && all.matches("error[").count() == 1, "{all}");
+    let all = with("p = { part = 'p', with = { f = [9, 8, 7] } }", "").replace("p[*]", "p");
+    assert!(all.contains("[E006]: `f` of `p` must be a number, not a list") && all.contains("add `n = 3`"), "{all}");
+    assert_eq!(all.matches("E006").count(), 1, "{all}");
+    let twice = format!(
+        "{}{tail}[use]\np = {{ part = 'p', with = {{ f = [9, 8, 7] }} }}",
+        head.replace("f = 'f' }", "f = '2 f' }")
+    );
+    let all = errors(&twice, &[]);
+    assert!(all.contains("add `n = 3`") && !all.contains("E007"), "{all}");
     // a name is unique among modules, groups and instances
     let all = with("p = { part = 'p', n = 2, with = { f = 9 } }", "[CEL]\np = { m = 1, f = 9 }\n");
     assert!(all.contains("E012"), "{all}");

@@ -221,7 +221,8 @@ pub struct RenderArgs {
     /// Leaves the end of a sound that goes on as it is; else its last 20 ms are faded where they are above -60 dBFS
     #[arg(long)]
     pub no_fade: bool,
-    /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable
+    /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable. Of a mass or a port
+    /// it is how far that is from where it rests (a gesture says where it is), of a link its force
     #[arg(long, value_name = "NAME[=FILE]")]
     pub probe: Vec<String>,
     /// Keeps the energy ledger for the whole length (slower)

@@ -5,6 +5,7 @@ mod bars;
 mod bowed;
 mod heard;
 mod keys;
+mod mallet;
 mod piano;
 mod plates;
 mod played;

@@ -1,4 +1,4 @@
-//! The commands, one file each; `border.rs` holds words that two of them share.
+//! The commands, one file each; `border.rs` and `inputs.rs` hold words that several of them share.
 
 pub mod accuracy;
 pub mod bench;
@@ -9,6 +9,7 @@ pub mod device;
 pub mod equiv;
 pub mod explain;
 pub mod import;
+mod inputs;
 pub mod list;
 pub mod log;
 pub mod modes;

@@ -13,6 +13,7 @@ mod files;
 mod numbers;
 mod pages;
 mod pitch;
+mod ports;
 mod readme;
 mod render;
 mod report;

@@ -92,10 +92,12 @@ impl Values<'_> {
         match &e.value {
             Value::Text(t) if t == "depth" => return Some(Velocity::Depth),
             Value::Text(t) if t == "speed" => return Some(Velocity::Speed),
+            Value::Text(t) if t == "none" => return Some(Velocity::None),
             _ => {}
         }
-        let d = Diag::error("E026", format!("{what} is `\"depth\"` or `\"speed\"`")).at(e.span, "neither");
-        self.diags.push(d.help("`depth`: how far it goes; `speed`: how fast it goes all the way"));
+        let d = Diag::error("E026", format!("{what} is `\"depth\"`, `\"speed\"` or `\"none\"`"));
+        let help = "`depth`: how far it goes; `speed`: how fast it goes all the way; `none`: all the way, in `attack` at any velocity";
+        self.diags.push(d.at(e.span, "none of them").help(help));
         None
     }
 

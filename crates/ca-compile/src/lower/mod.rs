@@ -12,6 +12,7 @@ pub mod midi;
 pub mod named;
 pub mod params;
 pub mod port;
+mod product;
 pub mod rates;
 pub mod requirements;
 pub mod resolve;

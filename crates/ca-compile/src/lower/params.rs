@@ -36,13 +36,15 @@ fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags
             diags.push(d.help("use a finite number"));
             None
         }
-        Value::Text(t) if quantity::is_quantity(t) => match quantity::parse(t) {
-            Ok(q) => Some(Raw::Quantity(q)),
-            Err(err) => {
-                diags.push(bad_quantity(what, e, t, &err, None));
-                None
+        Value::Text(t) if quantity::is_quantity(t) && !quantity::product(t).is_some_and(|(_, name)| is_param(name)) => {
+            match quantity::parse(t) {
+                Ok(q) => Some(Raw::Quantity(q)),
+                Err(err) => {
+                    diags.push(bad_quantity(what, e, t, &err, None));
+                    None
+                }
             }
-        },
+        }
         // a name of a parameter comes first
         Value::Text(t)
             if !is_param(t)

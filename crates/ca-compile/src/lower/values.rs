@@ -29,7 +29,7 @@ pub struct Values<'a> {
     /// the parameters, by [`Values::name`]
     pub named: Vec<Named>,
     /// where each stands among them
-    index: HashMap<String, usize>,
+    pub(super) index: HashMap<String, usize>,
     /// what the files hold
     pub clouds: Clouds,
     /// tables met so far
@@ -78,7 +78,8 @@ impl Values<'_> {
                 None
             }
             Err(err) => {
-                self.diags.push(bad_quantity(what, e, text, &err, Some(unit)));
+                let d = bad_quantity(what, e, text, &err, Some(unit));
+                self.diags.push(self.near_parameter(d, what, text, &err));
                 None
             }
         }
@@ -88,7 +89,10 @@ impl Values<'_> {
     pub fn number(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<Followed> {
         let followed = match &e.value {
             Value::Num(v) => (*v * self.bare(unit.dim), None),
-            Value::Text(t) if quantity::is_quantity(t) => (self.measured(t, unit, e, what)?, None),
+            Value::Text(t) if quantity::is_quantity(t) => match self.product(t) {
+                Some((factor, name)) => (self.scaled(factor, name, unit, e, what)?, None),
+                None => (self.measured(t, unit, e, what)?, None),
+            },
             // a parameter of that name comes first
             Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Dim::FREQUENCY)) {
                 Some(f) if !self.index.contains_key(t) => (f, None),
@@ -112,12 +116,13 @@ impl Values<'_> {
             if unit.symbol.is_empty() { format!("{}", Plain(v)) } else { quantity::show(v, unit) }
         };
         let written = match &e.value {
-            Value::Text(t) if quantity::is_quantity(t) => t.trim().into(),
+            Value::Text(t) if quantity::is_quantity(t) && self.product(t).is_none() => t.trim().into(),
             _ => show(v),
         };
         let mut d = Diag::error("E009", format!("{what} is out of range: {written}")).at(e.span, "out of range");
         if let Value::Text(t) = &e.value {
-            if let Some(n) = self.index.get(t).map(|i| &self.named[*i]) {
+            let name = self.product(t).map_or(t.as_str(), |p| p.1);
+            if let Some(n) = self.index.get(name).map(|i| &self.named[*i]) {
                 d = d.at(n.value_span, "from here");
             }
         }
@@ -126,7 +131,15 @@ impl Values<'_> {
         false
     }
 
-    fn named_number(&mut self, name: &str, unit: Unit, range: (f64, f64), e: &Entry, what: &str) -> Option<Followed> {
+    /// The parameter `name` where a number of `unit` belongs.
+    pub(super) fn named_number(
+        &mut self,
+        name: &str,
+        unit: Unit,
+        range: (f64, f64),
+        e: &Entry,
+        what: &str,
+    ) -> Option<Followed> {
         let Some(i) = self.index.get(name).copied() else {
             let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
             let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
@@ -185,7 +198,10 @@ impl Values<'_> {
                 _ => return None,
             },
             Some(Value::Num(p)) => *p,
-            Some(Value::Text(t)) if quantity::is_quantity(t) => quantity::parse(t).ok()?.value,
+            Some(Value::Text(t)) if quantity::is_quantity(t) => match self.product(t) {
+                Some((factor, name)) => factor * self.named[*self.index.get(name)?].value?.number(),
+                None => quantity::parse(t).ok()?.value,
+            },
             Some(Value::Text(t)) => self.named[*self.index.get(t)?].value?.number(),
             Some(_) => return None,
         };

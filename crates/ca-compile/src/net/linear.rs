@@ -102,7 +102,10 @@ pub fn network(net: &Pruned) -> Network {
     for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
         let (axis, share, channel) = (*axis, *share, *channel);
         let (OutputTap::Position(end), Hear::Position) = (*tap, *hear) else {
-            force_outputs.push(name.clone());
+            // once, however many modules and axes it hears
+            if force_outputs.last() != Some(name) {
+                force_outputs.push(name.clone());
+            }
             continue;
         };
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);

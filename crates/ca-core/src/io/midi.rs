@@ -29,6 +29,8 @@ pub enum Velocity {
     Depth,
     /// how fast it goes, all the way to `to`: in `attack` at 127, else longer by 127/velocity, as a finger on a key
     Speed,
+    /// nothing: it goes all the way to `to` in `attack` at any
+    None,
 }
 
 /// The mapping of one port.

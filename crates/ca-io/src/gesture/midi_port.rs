@@ -97,13 +97,12 @@ impl MidiPort {
     /// Where a note of this velocity brings it, from 1 on.
     fn note(&self, velocity: u8) -> Glide {
         let part = f64::from(velocity) / 127.0;
-        let speed = self.map.velocity == Velocity::Speed;
-        let to = match (self.map.back || self.far, speed) {
-            (false, _) => self.map.from,
-            (true, true) => self.map.to,
-            (true, false) => self.way(part),
+        let (far, over) = match self.map.velocity {
+            Velocity::Depth => (self.way(part), self.map.attack),
+            Velocity::Speed => (self.map.to, self.map.attack / part),
+            Velocity::None => (self.map.to, self.map.attack),
         };
-        Glide { to, over: if speed { self.map.attack / part } else { self.map.attack } }
+        Glide { to: if self.map.back || self.far { far } else { self.map.from }, over }
     }
 
     fn go(&self, value: u8) -> Glide {

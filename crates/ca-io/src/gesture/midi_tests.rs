@@ -249,6 +249,16 @@ fn a_velocity_may_be_how_fast_it_goes() {
 }
 
 #[test]
+fn a_velocity_may_say_nothing() {
+    let mut map = key();
+    map.map.velocity = Velocity::None;
+    let loud = one(map.clone(), &[(1000, &[0x90, 60, 127]), (1000, &[0x80, 60, 0])]);
+    let soft = one(map, &[(1000, &[0x90, 60, 1]), (1000, &[0x80, 60, 0])]);
+    assert_eq!(loud, soft);
+    assert_eq!((soft.at(1.125), soft.at(1.25), soft.at(2.5)), (1.5, 2.0, 1.0));
+}
+
+#[test]
 fn a_plectrum_goes_to_its_other_side_with_each_note_and_never_back_alone() {
     let mut map = key();
     map.map.back = false;

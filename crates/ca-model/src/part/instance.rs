@@ -149,12 +149,23 @@ impl Expander<'_> {
         for g in &body.gestures {
             self.model.gestures.push(Entry { key: scope.name(&g.key), ..scope.given(g) });
         }
+        self.one_of_many(full, u, &scope);
         let (used, named) = (scope.used.into_inner(), scope.named.into_inner());
         // one that nothing refers to is said to be so once
         let said = full.ends_with(']') && !full.ends_with("[0]");
         for (p, param) in body.params.iter().zip(params) {
             let keep = named.contains(&p.key) || !used.contains(&p.key) && !said;
             self.model.params.extend(param.filter(|_| keep));
+        }
+    }
+
+    /// A list that stands where one number belongs was meant for as many instances.
+    fn one_of_many(&mut self, full: &str, u: &Use, scope: &Scope) {
+        for (key, n) in scope.lists.take() {
+            let Some(e) = u.with.iter().find(|e| e.key == key && u.n.is_none()) else { continue };
+            let d = Diag::error("E006", format!("`{key}` of `{full}` must be a number, not a list"));
+            let help = format!("add `n = {n}`, which makes an instance for each value, or write one value");
+            self.diags.push(d.at(e.span, format!("{n} values, and one instance")).help(help));
         }
     }
 
@@ -238,11 +249,12 @@ pub(super) fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) ->
     e
 }
 
-/// Of what is written for all, what is meant for instance `i`; nothing where the list is too short.
+/// Of what is written for all, what is meant for instance `i`; where the list is too short, which has been reported, its last
+/// value, so that nothing else is found to be missing.
 fn of_instance(e: &Entry, i: Option<usize>) -> Option<Entry> {
     match (&e.value, i) {
         (Value::List(l), Some(i)) => {
-            let of = l.get(i)?;
+            let of = l.get(i).or(l.last())?;
             Some(Entry { key: e.key.clone(), key_span: e.key_span, ..of.clone() })
         }
         _ => Some(e.clone()),

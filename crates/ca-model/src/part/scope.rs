@@ -3,7 +3,7 @@
 //! Decides by the type of the place a name stands in: a number refers to a `[param]` of the instance, a selector to a module,
 //! anything else gets what is written for the parameter.
 
-use crate::quantity::{is_quantity, note};
+use crate::quantity::{is_quantity, note, product};
 use crate::select::is_name;
 use crate::{Entry, Span, Value};
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -41,6 +41,8 @@ pub(super) struct Scope {
     pub used: RefCell<BTreeSet<String>>,
     /// those of them that a number refers to by name
     pub named: RefCell<BTreeSet<String>>,
+    /// lists that stand for one number, and their lengths
+    pub lists: RefCell<BTreeMap<String, usize>>,
 }
 
 impl Scope {
@@ -53,7 +55,18 @@ impl Scope {
                 Value::Text(t) if words.contains(&t.as_str()) => e.clone(),
                 _ => each(e, &|t| self.word(t)),
             },
-            Some(Type::Flag | Type::Text | Type::File | Type::Midi) => each(e, &|t| self.word(t)),
+            // words and numbers
+            Some(Type::Midi) => each(e, &|t| self.word(t).or_else(|| self.scaled(t))),
+            Some(Type::Flag | Type::Text | Type::File) => each(e, &|t| self.word(t)),
+            Some(Type::Number { .. } | Type::PowerStiffness { .. } | Type::Count { .. }) => {
+                if let Value::Text(t) = &e.value {
+                    let name = product(t).map_or(t.trim(), |p| p.1);
+                    if let Some(Arg::Other(Value::List(l), _)) = self.args.get(name) {
+                        self.lists.borrow_mut().insert(name.into(), l.len());
+                    }
+                }
+                each(e, &|t| self.number(t))
+            }
             _ => each(e, &|t| self.number(t)),
         }
     }
@@ -71,6 +84,9 @@ impl Scope {
 
     /// Where a number belongs.
     fn number(&self, text: &str) -> Option<Meaning> {
+        if let Some(scaled) = self.scaled(text) {
+            return Some(scaled);
+        }
         match self.arg(text)? {
             Arg::Number(..) | Arg::Missing => {
                 self.named.borrow_mut().insert(text.trim().into());
@@ -78,6 +94,24 @@ impl Scope {
             }
             Arg::Outer(v, _, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
         }
+    }
+
+    /// A number times a parameter, which stays a product, of the `[param]` that the parameter is here.
+    fn scaled(&self, text: &str) -> Option<Meaning> {
+        let (factor, name) = product(text)?;
+        let (factor, name) = match self.arg(name)? {
+            Arg::Number(..) | Arg::Missing => {
+                self.named.borrow_mut().insert(name.into());
+                (factor, format!("{}{name}", self.prefix))
+            }
+            Arg::Outer(Value::Text(t), ..) | Arg::Other(Value::Text(t), _) => match product(t) {
+                Some((more, name)) => (factor * more, name.into()),
+                None => (factor, t.clone()),
+            },
+            // no number: what is said of it is said of this
+            Arg::Outer(v, _, span) | Arg::Other(v, span) => return Some((v.clone(), Some(*span))),
+        };
+        Some((Value::Text(format!("{factor} {name}")), None))
     }
 
     /// The number that a parameter of this name stands for.
@@ -167,6 +201,7 @@ pub(super) fn is_number(value: &Value, known: &dyn Fn(&str) -> bool) -> bool {
     match value {
         Value::Num(_) | Value::Table(_) => true,
         Value::Text(t) if is_name(t.trim()) && known(t.trim()) => false,
+        Value::Text(t) if product(t).is_some_and(|(_, name)| known(name)) => false,
         Value::Text(t) => is_quantity(t) || note(t).is_some(),
         _ => false,
     }

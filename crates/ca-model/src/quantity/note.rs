@@ -13,6 +13,19 @@ pub fn note_number(text: &str) -> Option<u8> {
     u8::try_from(number(text)?).ok().filter(|n| *n < 128)
 }
 
+/// The name of a note of MIDI, with a sharp where it needs one.
+///
+/// ```
+/// use ca_model::quantity::{note_name, note_number};
+/// assert_eq!((note_name(60).as_str(), note_name(0).as_str()), ("C4", "C-1"));
+/// assert!((0..=127).all(|n| note_number(&note_name(n)) == Some(n)));
+/// ```
+pub fn note_name(number: u8) -> String {
+    const STEPS: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
+    let step = STEPS.get(usize::from(number % 12)).copied().unwrap_or_default();
+    format!("{step}{}", i32::from(number / 12) - 1)
+}
+
 /// The frequency of a note with its cents, if any \[Hz\]; `None` where `text` is none.
 ///
 /// ```

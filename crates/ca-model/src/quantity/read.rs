@@ -45,6 +45,27 @@ pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     Ok(Quantity { value, dim: unit.dim, has_unit: unit.written })
 }
 
+/// The two factors of a number times a name, `"6.27 f"`; `None` where the text is a quantity, so that a unit comes before a
+/// name: `"4 m"` is four metres whatever is called `m`.
+///
+/// ```
+/// use ca_model::quantity::product;
+/// assert_eq!(product("6.27 f"), Some((6.27, "f")));
+/// assert_eq!(product("-1e-3 tine[2].f"), Some((-1e-3, "tine[2].f")));
+/// assert_eq!(product("4 m"), None);
+/// assert_eq!(product("f"), None);
+/// ```
+pub fn product(text: &str) -> Option<(f64, &str)> {
+    let mut s = Scan { text, at: 0 };
+    s.blanks();
+    let factor = s.number().ok()?.shifted(0);
+    let apart = s.blanks();
+    let name = s.rest().trim_end();
+    let named = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '.' | '[' | ']'));
+    (apart && named && factor.is_finite() && parse(text).is_err()).then_some((factor, name))
+}
+
 fn fault(at: usize, end: usize, message: impl Into<String>) -> QuantityError {
     QuantityError { at, end, message: message.into(), hint: None }
 }

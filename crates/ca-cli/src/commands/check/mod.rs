@@ -8,8 +8,8 @@ mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
-use crate::commands::border;
 use crate::commands::render::{rippling, stability, stability_json};
+use crate::commands::{border, inputs};
 use crate::load::{self, Loaded};
 use crate::term::short;
 use crate::watch::{LOOK, Watch};
@@ -121,8 +121,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let heard = if scene.channel_names.is_empty() { "none".into() } else { scene.channel_names.join(", ") };
     writeln!(out, "  outputs    {heard}")?;
     if !scene.inputs.is_empty() {
-        let names: Vec<&str> = scene.inputs.iter().map(|i| i.name.as_str()).collect();
-        writeln!(out, "  inputs     {}", names.join(", "))?;
+        for (n, line) in inputs::lines(scene).iter().enumerate() {
+            writeln!(out, "  {:<10} {line}", if n == 0 { "inputs" } else { "" })?;
+        }
     }
     if !scene.live.params.is_empty() {
         let names: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();

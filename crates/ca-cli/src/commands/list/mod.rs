@@ -76,7 +76,9 @@ fn pretty(v: &Json) -> String {
 }
 
 fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
-    if let Some(kind) = catalog.get(&word.to_ascii_uppercase()) {
+    // `bow` is a part, `BOW` a kind; where there is no such part, case does not matter
+    let part = LIBRARY.iter().any(|p| p.0 == word);
+    if let Some(kind) = catalog.get(&word.to_ascii_uppercase()).filter(|_| !part) {
         return Ok(if json { pretty(&page::json(kind)) } else { page::text(kind) });
     }
     if let Some(text) = load::bundled(word) {

@@ -5,7 +5,7 @@
 use ca_core::Catalog;
 use ca_model::part::Part;
 use ca_model::part::library::{LIBRARY, shipped};
-use ca_model::{Entry, Value};
+use ca_model::{Entry, Item, Value};
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
 
@@ -29,6 +29,19 @@ pub fn page(part: &Part, header: &str) -> String {
     for p in &part.body.params {
         let _ = writeln!(out, "  {:<width$}  {}; {}", p.key, text(field(p, "doc")), default(p));
     }
+    let ports = ports(part);
+    if !ports.is_empty() {
+        out += "\nPorts\n";
+        let width = ports.iter().map(|p| p.name.chars().count()).max().unwrap_or(0);
+        for p in &ports {
+            let midi = p.midi().map_or(String::new(), |way| format!("; MIDI moves it {way}"));
+            let _ = writeln!(out, "  {:<width$}  rests at {}{midi}", p.name, p.rest);
+        }
+        out += "\n  [gesture]\n";
+        for p in &ports {
+            let _ = writeln!(out, "  {}", p.gesture(&part.name));
+        }
+    }
     let needed: Vec<String> =
         part.body.params.iter().filter(|p| is_needed(p)).map(|p| format!("{} = …", p.key)).collect();
     let with = if needed.is_empty() { String::new() } else { format!(", with = {{ {} }}", needed.join(", ")) };
@@ -42,7 +55,69 @@ pub fn json(part: &Part, header: &str) -> Json {
         json!({"name": p.key, "doc": word("doc"), "unit": word("unit"), "default": value(p).map(|v| text(Some(v)))})
     };
     let params: Vec<Json> = part.body.params.iter().map(param).collect();
-    json!({"name": part.name, "doc": part.doc, "about": header, "params": params})
+    let ports: Vec<Json> = ports(part)
+        .iter()
+        .map(|p| json!({"name": p.name, "unit": p.unit, "rest": p.rest, "midi": p.midi(), "gesture": p.gesture(&part.name)}))
+        .collect();
+    json!({"name": part.name, "doc": part.doc, "about": header, "params": params, "ports": ports})
+}
+
+/// A port of a part, as its author wrote it; a number that follows a parameter is what that has if nothing is given.
+struct Port {
+    name: String,
+    unit: &'static str,
+    rest: String,
+    /// where MIDI moves it, from and to, by what, and whether that is notes
+    way: Option<(String, String, String, bool)>,
+}
+
+impl Port {
+    fn midi(&self) -> Option<String> {
+        self.way.as_ref().map(|(from, to, by, _)| format!("from {from} to {to} {by}"))
+    }
+
+    /// A line of `[gesture]`: down and back, or the way of a controller; without one a few millimetres or newtons.
+    fn gesture(&self, part: &str) -> String {
+        let some = if self.unit == "N" { "1 N" } else { "2 mm" };
+        let points = match &self.way {
+            Some((from, to, _, true)) => format!("[[0, \"{from}\"], [0.02, \"{to}\"], [0.1, \"{from}\"]]"),
+            Some((from, to, _, false)) => format!("[[0, \"{from}\"], [1, \"{to}\"]]"),
+            None => format!("[[0, \"{}\"], [0.02, \"{some}\"], [0.1, \"{}\"]]", self.rest, self.rest),
+        };
+        format!("\"{part}.{}\" = {points}", self.name)
+    }
+}
+
+fn ports(part: &Part) -> Vec<Port> {
+    let of = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());
+    // what a parameter of the part has
+    let meant = |v: Value| match &v {
+        Value::Text(t) => part.body.params.iter().find(|p| p.key == t.trim()).and_then(value).cloned().unwrap_or(v),
+        _ => v,
+    };
+    let moved = |kind: &str| matches!(kind, "TGR" | "ENX" | "ENF");
+    let one = |item: &Item| {
+        let unit = if item.kind == "ENF" { "N" } else { "m" };
+        let number = |v: Option<Value>| match v.map(meant) {
+            Some(Value::Num(x)) => format!("{x} {unit}"),
+            other => other.map_or(format!("0 {unit}"), |v| text(Some(&v))),
+        };
+        let way = match of(&item.args, "midi") {
+            Some(Value::Table(m)) => {
+                let by = |key: &str| of(&m, key).map(|v| text(Some(&v)));
+                let notes = by("note").is_some();
+                let by = match (by("note"), by("cc")) {
+                    (Some(note), _) => format!("by the note `{note}`"),
+                    (_, Some(cc)) => format!("by controller {cc}"),
+                    _ => "by a wheel or pressure".into(),
+                };
+                Some((number(of(&m, "from")), number(of(&m, "to")), by, notes))
+            }
+            _ => None,
+        };
+        Port { name: item.name.clone(), unit, rest: number(of(&item.args, "x")), way }
+    };
+    part.body.items.iter().filter(|i| moved(&i.kind)).map(one).collect()
 }
 
 fn default(p: &Entry) -> String {

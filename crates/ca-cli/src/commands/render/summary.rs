@@ -4,7 +4,7 @@ use super::Probe;
 use super::play::Audit;
 use super::slow::EDGE;
 use crate::args::{RenderArgs, SampleFormat};
-use crate::commands::border;
+use crate::commands::{border, inputs};
 use crate::load::ticked;
 use crate::term::short;
 use crate::{Failure, term};
@@ -150,7 +150,9 @@ impl Summary<'_> {
             } else if ports.is_empty() {
                 "give a module an initial `v` or `dx0`".into()
             } else {
-                format!("it can be played at {} by `--gesture`", ticked(ports.into_iter()))
+                let midi = inputs::notes(self.scene.inputs.iter());
+                let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it by the {n}"));
+                format!("it can be played at {} by `--gesture`{midi}", ticked(ports.into_iter()))
             };
             term::note(&format!("nothing sounds; {help}"));
         }

@@ -5,7 +5,7 @@
 use super::Variable;
 use crate::Failure;
 use ca_model::part::Use;
-use ca_model::{Item, Model, Value};
+use ca_model::{Item, Model, Value, quantity};
 
 /// The variable of a module that is of an instance; `None` where it is not.
 pub(super) fn variable(
@@ -20,10 +20,13 @@ pub(super) fn variable(
         return refuse("it is of an instance within an instance; tune it by the parameters of these".into());
     }
     let prefix = index.map_or(format!("{}.", u.name), |i| format!("{}[{i}].", u.name));
-    let param = match entry {
-        Some(Value::Text(name)) => name.strip_prefix(&prefix),
-        _ => None,
+    // the first of a bank is its pitch
+    let (entry, listed) = match entry {
+        Some(Value::List(all)) => (all.first().map(|e| &e.value), true),
+        other => (other, false),
     };
+    let text = if let Some(Value::Text(t)) = entry { Some(t.as_str()) } else { None };
+    let param = text.and_then(|name| name.strip_prefix(&prefix));
     let made =
         |path: Vec<String>, place| Some(Ok(Variable { part: item.name.clone(), cell: None, path, place, unit, slope }));
     let path = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
@@ -38,6 +41,15 @@ pub(super) fn variable(
             None => {}
         }
     }
+    if let Some((_, name)) = text.and_then(quantity::product) {
+        return refuse(format!(
+            "its `{key}` is a number times `{name}`, which other pitches follow; tune one of these"
+        ));
+    }
+    if listed && param.is_none() {
+        let what = "is a list of the part, for all; make its first number a parameter and give it in `with`";
+        return refuse(format!("its `{key}` {what}"));
+    }
     let part = u.part.as_ref().map(|e| &e.value);
     match (part, index) {
         (Some(Value::Text(part)), None) if u.file.is_none() => match param {
@@ -49,9 +61,14 @@ pub(super) fn variable(
             }
             None => made(path(&["part", part, &item.kind, rest, key]), None),
         },
-        _ => {
-            refuse(format!("its `{key}` is one number of the part, for all; make it a parameter and give it in `with`"))
-        }
+        _ => refuse(match param {
+            Some(name) => {
+                format!("its `{key}` is `{name}` of the part, one number for all; give each its own in `with`")
+            }
+            None => {
+                format!("its `{key}` is one number of the part, for all; make it a parameter and give it in `with`")
+            }
+        }),
     }
 }
 

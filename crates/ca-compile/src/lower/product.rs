@@ -1,0 +1,52 @@
+//! A number times a parameter, `"6.27 f"`.
+//!
+//! Decides that it stands wherever the name of a parameter does, and is one number of the scene when that is made: it follows what
+//! is set, and costs a tick nothing. A live parameter cannot be scaled, so that the changes of one reach all places alike.
+//! Against sums and formulas: partials and proportions are factors, and more would be a language of its own.
+
+use crate::lower::named::Named;
+use crate::lower::values::Values;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::Unit;
+use ca_model::Entry;
+use ca_model::diag::Diag;
+use ca_model::quantity::{self, QuantityError};
+use ca_model::suggest::nearest;
+
+/// More parameters are not listed.
+const LISTED: usize = 8;
+
+impl Values<'_> {
+    /// The number and the name, where there is a parameter of that name.
+    pub(super) fn product<'t>(&self, text: &'t str) -> Option<(f64, &'t str)> {
+        quantity::product(text).filter(|(_, name)| self.index.contains_key(*name))
+    }
+
+    /// The product of `factor` and the parameter `name` where a number of `unit` belongs.
+    pub(super) fn scaled(&mut self, factor: f64, name: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
+        // the range of the place is that of the product
+        let (v, follows) = self.named_number(name, unit, (f64::MIN, f64::MAX), e, what)?;
+        let Some((i, _)) = follows else { return Some(factor * v) };
+        let short = name.rsplit('.').next().unwrap_or(name);
+        let d = Diag::error("E025", format!("{what}: `{name}` is live, and only what is not can be scaled"));
+        let d = d.at(e.span, format!("a number times `{short}`")).at(self.named[i].span, "live here");
+        self.diags.push(d.help("let it follow a live parameter of its own, or take `live` or `port` from this one"));
+        None
+    }
+
+    /// Adds to a finding about a unit that it may be a parameter misspelt.
+    pub(super) fn near_parameter(&self, d: Diag, what: &str, text: &str, err: &QuantityError) -> Diag {
+        let Some((_, word)) = quantity::product(text).filter(|_| err.hint.is_none()) else { return d };
+        // those of the model, and those of the instance as the part calls them
+        let here = |n: &Named| n.name.rsplit_once('.').is_none_or(|(of, _)| what.contains(&format!("`{of}.")));
+        let names: Vec<&str> =
+            self.named.iter().filter(|n| here(n)).filter_map(|n| n.name.rsplit('.').next()).collect();
+        let Some(near) = nearest(word, names.iter().copied()) else { return d };
+        let mended = text.trim().replace(word, near);
+        let all: Vec<String> = names.iter().take(LISTED).map(|n| format!("`{n}`")).collect();
+        let more = if names.len() > LISTED { ", …" } else { "" };
+        d.help(format!("did you mean `{mended}`? parameters here: {}{more}", all.join(", ")))
+    }
+}
