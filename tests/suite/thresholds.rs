@@ -263,7 +263,14 @@ fn the_limits_of_single_precision_are_where_they_are_stated() {
     };
     let large = |k: f64| link("BUT", &format!("k = {k:?}"));
     let far = |x: f64| format!("[CEL]\nbar = {{ m = 1, k = 1, dx0 = {x:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n");
+    let rubbed = |by: &str| {
+        format!(
+            "[SOL]\nw = {{}}\n[ENX]\nbelt = {{}}\n[CEL]\nm = {{ m = 1, k = 1, dx0 = 1 }}\n[BOW]\n\
+             rub = {{ between = [\"{by}\", \"m\"], curve = \"coulomb\", method = \"set-valued\", f = 1 }}\n[SOX]\nout = {{ from = [\"m\", \"belt\"] }}\n"
+        )
+    };
     for (code, words, quiet, reported) in [
+        ("E028", "sticks to what is moved from outside", rubbed("w"), rubbed("belt")),
         ("E028", "too stiff for single precision", stiff(99.9), stiff(100.1)),
         ("W114", "fades too slowly", fades(0.1), fades(0.103)),
         ("E009", "beyond single precision", large(3.40e38), large(3.41e38)),

@@ -68,8 +68,8 @@ pub const CASES: [Case; 12] = [
         times: "1,2,4,8",
         reference: "64",
         about: "10 g on a spring, on a belt at 0.1 m/s, with the friction that sticks exactly (`method = \"set-valued\"`): ten \
-                times it sticks and slips. In single precision a place has too few digits at higher rates: the motion of the \
-                belt from tick to tick jitters, and times m/T² that is more than friction holds.",
+                times it sticks and slips. Single precision refuses it: rounding of the motion of the belt, times m/T², is more than \
+                friction holds.",
     },
     Case {
         name: "plectrum",

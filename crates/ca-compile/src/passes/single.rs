@@ -1,10 +1,12 @@
 //! What single precision does not keep: refused before anything sounds, rather than heard as noise, drift or silence.
 //!
 //! Decides by what was measured against double precision (tests/suite/single.rs). Strings, meshes, cells, modes,
-//! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Three do not:
+//! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Four do not:
 //! - a **distance in space** is known to 1e-7 of where its ends are, and the deformation by which a
 //!   body sounds is that small;
 //! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
+//! - **friction that sticks exactly** to what is moved from outside: a step of its place is known to 1e-7 of the place, and
+//!   m/T² times that is more than friction holds;
 //! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
 
 use crate::net::{End, MatRole, Pruned};
@@ -14,6 +16,7 @@ use alloc::vec::Vec;
 use ca_core::live::{Loader, Source};
 use ca_core::method::implicit::inertia;
 use ca_core::numeric::{Real, TINY, real, wide};
+use ca_core::phi::bow::SET_VALUED;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
@@ -69,6 +72,12 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
         } else if l.is_radial() {
             let d = Diag::error("E028", format!("`{}` measures a distance in space, in single precision", l.name));
             tell(l.item, d, "the sound would be its rounding", "use double precision, or `along`");
+        }
+        let moved = |e: &End| matches!(e, End::Mat(m) if matches!(net.mats[*m as usize].role, MatRole::Port(..)));
+        if core::ptr::eq(l.law, &SET_VALUED) && l.ends.iter().any(moved) {
+            let d =
+                Diag::error("E028", format!("`{}` sticks to what is moved from outside, in single precision", l.name));
+            tell(l.item, d, "rounding of its motion tears it off", "use `method = \"newton\"`, or double precision");
         }
         let ends = l.ends.iter().map(|e| if let End::Mat(m) = e { mobility[*m as usize] } else { 0.0 });
         if l.law.implicit && inertia(&[c[0], c[1], c[2]]) * ends.sum::<f64>() > STIFFEST {

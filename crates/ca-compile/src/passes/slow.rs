@@ -44,10 +44,13 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     let compensated = net.media.iter().any(|m| m.slow && m.compensated);
     let mut say = Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false };
     say.borders();
-    if !net.media.iter().any(|m| m.slow) {
+    let in_slow = |group: Option<u32>| net.medium_of(group).slow;
+    // of a group that nothing hears nothing is left
+    let mats = net.mats.iter().zip(&net.alive).filter(|(_, alive)| **alive).map(|(m, _)| m.group);
+    let items = mats.chain(net.lines.iter().map(|l| net.items[l.item as usize].group));
+    if !items.into_iter().any(in_slow) {
         return None;
     }
-    let in_slow = |group: Option<u32>| net.medium_of(group).slow;
     say.groups();
     for m in net.mats.iter().filter(|m| in_slow(m.group) && m.code != MAS.code && m.code != SOL.code) {
         let help = if matches!(m.role, MatRole::Port(..)) {
