@@ -74,7 +74,8 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
 #[test]
 fn h3_force_does_not_jump() {
     // 1 MN/m: 0.2 mm are 200 N, which the device cuts to 10; 40 kN/m times 0.5 m/s allow 6.67 N a frame
-    let mut rig = Rig::new(&KEY.replace("500", "1e6"), profile(|p| (p.guard.oscillation, p.guard.speed) = (false, 0.5)));
+    let mut rig =
+        Rig::new(&KEY.replace("500", "1e6"), profile(|p| (p.guard.oscillation, p.guard.speed) = (false, 0.5)));
     rig.on(&[0.0]);
     let (mut last, mut slowed) = (0.0, 0);
     for n in 0..300 {
