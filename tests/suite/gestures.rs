@@ -192,6 +192,7 @@ fn a_gesture_that_begins_elsewhere_than_its_port_is_a_warning() {
     assert!(said(&model("0 m", tie, "{ ramp = ['5 mm', 0], to = 1 }")));
     assert!(!said(&model("-250 mm", tie, "[[0, '-0.25 m'], [1, '0.2 m']]")));
     assert!(!said(&model("0 m", "", "[[0, '5 mm']]")), "nothing is tied to it");
+    assert!(!said(&model("0 m", tie, "[[0, '0.1 mm'], [1, '0.2 m']]")), "no more than noise upon a stroke");
 }
 
 #[test]

@@ -15,6 +15,8 @@ use ca_model::{Model, Span, Value, quantity};
 
 /// A gesture begins where its port stands, as far as this \[m\].
 const THERE: f64 = 1e-6;
+/// And as far as this share of the way it goes: noise upon a stroke is part of the stroke.
+const OF_WAY: f64 = 0.01;
 
 /// Says both.
 pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
@@ -39,7 +41,9 @@ fn jumps(model: &Model, net: &Wired, diags: &mut Diags) {
         let Some(at) = net.resolved.inputs.iter().position(|i| i.name == *name) else { continue };
         let input = &net.resolved.inputs[at];
         let Some([_, first]) = points.first() else { continue };
-        if !tied[at] || input.role == InputRole::Force || (first - input.rest).abs() <= THERE {
+        let (low, high) = points.iter().fold((*first, *first), |(a, b), p| (a.min(p[1]), b.max(p[1])));
+        let there = THERE.max(OF_WAY * (high - low));
+        if !tied[at] || input.role == InputRole::Force || (first - input.rest).abs() <= there {
             continue;
         }
         let e = model.gestures.iter().find(|e| e.key == *name);
