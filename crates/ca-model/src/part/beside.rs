@@ -57,11 +57,11 @@ impl Expander<'_> {
 
     /// Reports the names in a number of a part that only the file of the part gives a value; `owner` is whose number it is.
     pub fn of_file(&mut self, e: &Entry, kind: Option<&'static Kind>, owner: &str, home: &Home, scope: &Scope) {
+        use Type::{Between, Choice, File, Flag, Midi, Module, Text};
         if home.file.is_empty() || home.model.params.is_empty() {
             return;
         }
         let ty = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty));
-        use Type::{Between, Choice, File, Flag, Midi, Module, Text};
         if !matches!(ty, Some(Between | Module | Choice(_) | Flag | Text | File | Midi)) {
             self.name_of_file(e, &e.key, owner, home, scope);
         }
