@@ -105,6 +105,7 @@ fn a_sum_is_the_sum_of_its_members_jumps_included() {
 #[test]
 fn what_makes_no_gesture_says_why() {
     for (gesture, code, says) in [
+        ("[[0, 0], [1e300, 1]]", "E009", "a point beyond a day"),
         ("{ sine = '1 mm' }", "E005", "needs `f`"),
         ("{ sine = '1 g', f = 2 }", "E008", "not in m"),
         ("{ sine = '1 mm', f = 2, sed = 3 }", "E004", "a sine has no `sed`"),
@@ -176,4 +177,46 @@ fn loops_and_pulses_are_cut_at_their_end() {
             );
         }
     }
+}
+
+#[test]
+fn a_gesture_that_begins_elsewhere_than_its_port_is_a_warning() {
+    let model = |x: &str, tie: &str, gesture: &str| {
+        format!(
+            "[ENX]\nhand = {{ x = '{x}' }}\n[CEL]\nb = {{ m = '1 g', f = 200 }}\n{tie}[SOX]\no = {{ from = 'b' }}\n[gesture]\nhand = {gesture}\n"
+        )
+    };
+    let tie = "[RES]\nr = { between = ['hand', 'b'], k = 100 }\n";
+    let said = |text: &str| scene(text).findings.list.iter().any(|d| d.code == "W116");
+    assert!(said(&model("-250 mm", tie, "[[0, 0], [1, '0.2 m']]")));
+    assert!(said(&model("0 m", tie, "{ ramp = ['5 mm', 0], to = 1 }")));
+    assert!(!said(&model("-250 mm", tie, "[[0, '-0.25 m'], [1, '0.2 m']]")));
+    assert!(!said(&model("0 m", "", "[[0, '5 mm']]")), "nothing is tied to it");
+    assert!(!said(&model("0 m", tie, "[[0, '0.1 mm'], [1, '0.2 m']]")), "no more than noise upon a stroke");
+}
+
+#[test]
+fn keys_on_one_degree_of_freedom_are_noted() {
+    let model = |dofs: &str| {
+        format!(
+            "[part.k.param]\nd = 0\n[part.k.TGR]\nkey = {{ device = 't', dof = 'd' }}\n[part.k.CEL]\nb = {{ m = '1 g', f = 200 }}\n[part.k.RES]\nr = {{ between = ['key', 'b'], k = 100 }}\n\
+                 [use]\nk = {{ part = 'k', n = 3{dofs} }}\n[SOX]\no = {{ from = 'k[*].b', channel = 0 }}\n"
+        )
+    };
+    let said = |text: &str| -> Vec<String> {
+        scene(text).findings.list.iter().filter(|d| d.code == "N204").map(|d| d.title.clone()).collect()
+    };
+    assert_eq!(said(&model("")).len(), 1);
+    assert!(said(&model(""))[0].contains("degree of freedom 0 of `t` moves 3 ports at once"));
+    assert!(said(&model(", with = { d = [0, 1, 2] }")).is_empty());
+}
+
+#[test]
+fn a_gain_says_which_unit_turns_one_into_the_other() {
+    let text = "[model]\nseconds = 1\n[param]\nlv = { value = 0.2, live = true, min = 0, max = 1 }\n[SOL]\ng = {}\n[CEL]\nb = { m = '1 g', f = 200 }\n\
+                [FRO]\nq = { between = ['g', 'b'], z = 'lv' }\n[ENX]\nkey = {}\n[RES]\nr = { between = ['key', 'b'], k = 9 }\n[SOX]\no = { from = 'b' }\n\
+                [gesture]\nlv = [[0, 0], [1, 1]]\nkey = { follow = 'lv', gain = '1 mm' }\n";
+    let (model, result) = ca_compile::load(text, "", &ca_tests::catalog(), &ca_compile::Options::default());
+    let all = ca_model::render::text(&result.unwrap_err(), &model, false);
+    assert!(all.contains("is given in m, not in kg^-1 m") && all.contains("`lv` (N s/m)"), "{all}");
 }

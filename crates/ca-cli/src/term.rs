@@ -4,6 +4,7 @@
 //! where stderr is closed.
 
 use ca_model::diag::{Diags, Severity};
+use ca_model::plain::plain;
 use ca_model::{Model, render};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
@@ -13,11 +14,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub fn color() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|t| t != "dumb") && std::io::stderr().is_terminal()
-}
-
-/// Without what would move the cursor, or worse: some of what is said comes from files and pages.
-fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
 }
 
 fn lead(word: &str, code: &str, text: &str) {
@@ -93,12 +89,4 @@ pub fn progress(steps: u64) -> ProgressBar {
         bar.set_style(style);
     }
     bar
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn what_is_said_moves_no_cursor() {
-        assert_eq!(super::plain("a\x1b]0;x\x07b\nc\r"), "a\u{fffd}]0;x\u{fffd}b\nc\u{fffd}");
-    }
 }

@@ -48,7 +48,7 @@ use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{Halves, Scene};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
-use connect::wire;
+use connect::{hands, wire};
 use emit::slow::Slow;
 use emit::{ordering, schedule};
 use lower::{params, resolve, values};
@@ -81,6 +81,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
     let mut net = wire::wire(model, net, options, &mut diags);
+    hands::check(model, &net, &mut diags);
     if diags.has_errors() {
         diags.sort();
         return Err(diags);

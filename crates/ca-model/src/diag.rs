@@ -246,7 +246,9 @@ pub const CODES: &[(&str, &str)] = &[
     ("W113", "steep friction"),
     ("W114", "decay out of reach"),
     ("W115", "damping that couples modes"),
+    ("W116", "a gesture that begins elsewhere than its port"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
     ("N203", "a heavy junction"),
+    ("N204", "ports on one degree of freedom"),
 ];

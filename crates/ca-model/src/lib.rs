@@ -31,6 +31,7 @@ pub mod generate;
 mod members;
 pub mod names;
 pub mod part;
+pub mod plain;
 pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;

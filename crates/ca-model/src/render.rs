@@ -7,6 +7,7 @@
 
 use super::diag::{Diag, Diags, KEPT, Severity};
 use super::part::files::Source;
+use super::plain::plain;
 use super::{Model, Span};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -65,7 +66,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut main = Group::with_title(level.primary_title(d.title.as_str()).id(d.code));
+    let mut main = Group::with_title(level.primary_title(plain(&d.title)).id(d.code));
     // a snippet for each file, that of the first place first
     let mut files: Vec<Source> = Vec::new();
     for source in d.labels.iter().filter(|l| l.0.is_some()).map(|l| model.source(l.0)) {
@@ -128,7 +129,7 @@ fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
 fn lines<'a, T: Clone>(file: Source<'a>, view: &Range<usize>) -> Snippet<'a, T> {
     let above = file.text[..view.start].bytes().filter(|&b| b == b'\n').count();
     let snippet = Snippet::source(&file.text[view.clone()]).line_start(above + 1);
-    if file.file.is_empty() { snippet } else { snippet.path(file.file) }
+    if file.file.is_empty() { snippet } else { snippet.path(plain(file.file)) }
 }
 
 /// A span as a range that is within the text and on character borders; nothing for a model without text.

@@ -11,6 +11,7 @@ use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};
 use ca_model::diag::Diags;
+use ca_model::plain::plain;
 use ca_model::render::line_column;
 use ca_model::{Model, read};
 use std::path::Path;
@@ -81,7 +82,7 @@ impl Loaded {
     }
 
     fn found(model: Model, diags: Diags, file: &str) -> Loaded {
-        let mut loaded = Loaded { name: stem(Path::new(file)), clouds: Clouds::new(), model, diags };
+        let mut loaded = Loaded { name: plain(&stem(Path::new(file))), clouds: Clouds::new(), model, diags };
         loaded.look();
         loaded
     }

@@ -6,6 +6,7 @@
 use crate::args::{LogArgs, LogCommand};
 use crate::{Ended, Failure, Outcome, term};
 use ca_haptic::take::{End, Summary, Take, export, recover};
+use ca_model::plain::plain;
 use serde_json::json;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -116,7 +117,7 @@ fn info(take: &Take, s: &Summary) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let h = &take.header;
     let size = std::fs::metadata(&take.path).map_or(0, |m| m.len());
-    writeln!(out, "{}: {:.3} s of `{}`, {}", take.path.display(), s.seconds, h.title, bytes(size))?;
+    writeln!(out, "{}: {:.3} s of `{}`, {}", take.path.display(), s.seconds, plain(&h.title), bytes(size))?;
     let get = |key: &str| h.host.get(key).map_or("?", String::as_str);
     writeln!(out, "  written by ca {} on {} {}", get("ca"), get("os"), get("arch"))?;
     writeln!(out, "  rates      sound {} Hz, gesture {} Hz", h.rate, h.rate / f64::from(h.ratio))?;

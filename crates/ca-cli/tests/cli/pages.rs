@@ -63,7 +63,9 @@ fn list_shows_kinds_models_and_pages() {
     let text = desk.ca(&["list"]).is(0).out;
     for code in &codes {
         let page = desk.ca(&["list", &code.to_lowercase()]).is(0).says(&["Example", "Sources"]);
-        assert!(page.out.starts_with(code) && text.contains(code) && table.contains(&format!("| {code} | ")));
+        // behind the page of a part that is called so
+        assert!(page.out.starts_with(code) || page.out.contains(&format!("\n\n{code}  ")), "{}", page.out);
+        assert!(text.contains(code) && table.contains(&format!("| {code} | ")));
         let page = desk.ca(&["list", code, "--json"]).is(0).json();
         assert!(page["sources"].as_array().unwrap().iter().all(|s| s["reference"].as_str().unwrap().len() > 20));
         // the example of a page is a model that sounds
@@ -77,6 +79,25 @@ fn list_shows_kinds_models_and_pages() {
     desk.ca(&["list", "BUT"]).is(0).says(&["[N/m] ≥ 0", "outside | inside", "hal-01089222", "hammer"]);
     let schema = desk.ca(&["list", "--schema"]).is(0).json();
     assert!(schema["properties"]["BUT"].is_object());
+}
+
+#[test]
+fn the_page_of_each_part_is_shown() {
+    let desk = Desk::new();
+    let j = desk.ca(&["list", "parts", "--json"]).is(0).json();
+    let names: Vec<&str> = j.as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"bow") && names.contains(&"piano_key"));
+    for name in names {
+        let r = desk.ca(&["list", name]).is(0).says(&["Parameters", &format!("{name} = {{ part = \"{name}\"")]);
+        assert!(r.out.starts_with(&format!("{name}: ")), "{}", r.out);
+        let j = desk.ca(&["list", name, "--json"]).is(0).json();
+        let first = if j.is_array() { &j[0] } else { &j };
+        assert!(first["params"].as_array().is_some_and(|p| !p.is_empty()), "{j}");
+    }
+    // what else is called so follows; the kind alone has its own name
+    desk.ca(&["list", "piano_key"]).is(0).says(&["ca render piano_key"]);
+    desk.ca(&["list", "bow"]).is(0).says(&["\n\nBOW  "]);
+    assert!(desk.ca(&["list", "BOW"]).is(0).out.starts_with("BOW  "));
 }
 
 #[test]

@@ -173,3 +173,30 @@ fn waveguides_are_left_out_and_said_to_be() {
     desk.put("both.ca.toml", &format!("{wave}{cell}"));
     desk.ca(&["modes", "both.ca.toml"]).is(0).says(&["1 modes that swing", "`low` (WAVEGUIDE)"]);
 }
+
+/// What tunes a string serves as a MIDI note too, and stays one.
+#[test]
+fn a_note_stays_a_note() {
+    let desk = Desk::new();
+    let text = "[part.tone.param]\npitch = { unit = \"Hz\" }\n[part.tone.STRING]\ns = { n = 20, f = \"pitch\", m = \"2 g\", t60 = \"1 s\" }\n\
+                [part.tone.ENX]\nkey = { midi = { note = \"pitch\", to = \"1 mm\" } }\n[part.tone.RES]\nr = { between = [\"key\", \"s[3]\"], k = 10 }\n\
+                [use]\ntone = { part = \"tone\", n = 2, with = { pitch = [\"C4\", \"E4\"] } }\n[SOX]\nout = { from = \"tone[*].s[9]\", channel = 0 }\n";
+    desk.put("t.ca.toml", text);
+    let j = desk.ca(&["tune", "t.ca.toml", "tone[0].s=A4", "--in-place", "--json"]).is(0).json();
+    let number = j["tuned"][0]["number"].as_str().unwrap();
+    assert!(number.starts_with("A4"), "{number}");
+    assert!(fs::read_to_string(desk.path("t.ca.toml")).unwrap().contains(&format!("\"{number}\"")));
+    desk.ca(&["check", "t.ca.toml"]).is(0);
+}
+
+/// A part whose number is written in hertz keeps its unit.
+#[test]
+fn hertz_stay_hertz() {
+    let desk = Desk::new();
+    desk.put(
+        "h.ca.toml",
+        "[STRING]\ns = { n = 20, f = \"250 Hz\", m = \"2 g\", t60 = \"1 s\" }\n[SOX]\nout = { from = \"s[9]\" }\n",
+    );
+    let j = desk.ca(&["tune", "h.ca.toml", "s=A4", "--json"]).is(0).json();
+    assert!(j["tuned"][0]["number"].as_str().unwrap().ends_with(" Hz"), "{j}");
+}

@@ -20,7 +20,7 @@ use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
 use alloc::collections::BTreeSet;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
@@ -33,6 +33,7 @@ use ca_core::scene::{InputRole, Location, Order, Scene, Symbols, start};
 use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
+use ca_model::plain::plain;
 use core::ops::Range;
 
 /// Builds the scene, with groups at the gesture rate where there are any. `None` where the findings hold an error.
@@ -224,7 +225,7 @@ pub fn schedule(
         certificate,
         equivalence: net.equivalence.clone(),
         left_out: net.left_out.clone(),
-        title: model.title().to_string(),
+        title: plain(model.title()),
         seconds: net.seconds,
         initial,
         before,

@@ -155,8 +155,8 @@ impl Values<'_> {
         let Value::Text(t) = &e.value else { return self.small(e, (0, 127), "notes", what) };
         let found = note_number(t);
         if found.is_none() {
-            let d = Diag::error("E026", format!("{what}: no note `{t}`")).at(e.span, "not a note");
-            let d = match near_note(t) {
+            let d = Diag::error("E026", format!("{what}: no note `{t}` of MIDI")).at(e.span, "not a note");
+            let d = match near_note(t).filter(|m| note_number(m).is_some()) {
                 Some(m) => d.help(format!("did you mean `{m}`?")).fix(e.span, format!("\"{m}\"")),
                 None => d.help(
                     "write a letter from A to G, `#` or `b` if any, and the octave: `C4` is 60; from `C-1` to `G9`",

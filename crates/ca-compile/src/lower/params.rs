@@ -99,6 +99,22 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
             }
         }
     }
+    if let Some((u, _)) = &unit {
+        let bare = |x: &&Entry| {
+            let number = matches!(&x.value, Value::Text(t) if quantity::parse(t).is_ok_and(|q| !q.has_unit));
+            number && matches!(x.key.as_str(), "value" | "min" | "max")
+        };
+        if let Some(x) = entries.iter().find(bare)
+            && let Value::Text(t) = &x.value
+        {
+            let of = if x.key == "value" { what.clone() } else { format!("`{}` of {what}", x.key) };
+            let d = Diag::error("E008", format!("{of} has no unit: `{}`", t.trim())).at(x.span, "without a unit");
+            let (t, help) =
+                (t.trim(), "a number in quotes has its unit; one without quotes is in that of the parameter");
+            diags.push(d.help(format!("write `\"{t} {u}\"`: {help}")).fix(x.span, format!("\"{t} {u}\"")));
+            return n;
+        }
+    }
     let with_unit = |x: &Entry| match (&x.value, &unit) {
         (Value::Num(v), Some((u, _))) if v.is_finite() => {
             Entry { value: Value::Text(format!("{v:e} {u}")), ..x.clone() }

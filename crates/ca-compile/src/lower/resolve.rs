@@ -321,6 +321,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                     expand(net, id, &built, (dim, rest), group);
                 }
                 Err(p) => {
+                    let p = if net.medium_of(item.group).slow { at_gesture_rate(&p) } else { p };
                     v.diags.push(does_not_fit(&item.name, source, p));
                     net.items.push(item);
                 }
@@ -328,6 +329,13 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
         }
         Role::Lia(_) => net.items.push(item),
     }
+}
+
+/// The same of a group whose tick is a gesture frame.
+fn at_gesture_rate(p: &Problem) -> Problem {
+    let title = p.title.replace("this sound rate", "the gesture rate");
+    let help = p.help.replace("raise `rate.sound`", "raise `rate.gesture`, or leave out `rate` of the group");
+    Problem { title, help, param: p.param }
 }
 
 /// What a generator cannot do, pointed at where it was asked for.

@@ -74,7 +74,7 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
             tell(l.item, d, "the sound would be its rounding", "use double precision, or `along`");
         }
         let moved = |e: &End| matches!(e, End::Mat(m) if matches!(net.mats[*m as usize].role, MatRole::Port(..)));
-        if core::ptr::eq(l.law, &SET_VALUED) && l.ends.iter().any(moved) {
+        if core::ptr::eq(l.law, &raw const SET_VALUED) && l.ends.iter().any(moved) {
             let d =
                 Diag::error("E028", format!("`{}` sticks to what is moved from outside, in single precision", l.name));
             tell(l.item, d, "rounding of its motion tears it off", "use `method = \"newton\"`, or double precision");

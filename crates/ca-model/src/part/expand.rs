@@ -4,6 +4,7 @@ use super::fan::fan;
 use super::find::Home;
 use super::instance::of_part;
 use super::scope::Scope;
+use super::size::Size;
 use super::{Part, Use};
 use crate::diag::{Diag, Diags};
 use crate::{Entry, Item, LARGEST, Model, Span};
@@ -29,6 +30,8 @@ pub(super) struct Expander<'e> {
     pub files: BTreeMap<String, Option<Rc<Home>>>,
     /// parameters and modules at the root
     pub root: BTreeSet<String>,
+    /// what an instance of a part makes, by file and name
+    pub sizes: BTreeMap<(String, String), Size>,
     /// there are too many of them
     pub over: bool,
     /// the parts that are being put in, each in the one before: file and name
@@ -112,6 +115,7 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
         diags: core::mem::take(diags),
         files: BTreeMap::new(),
         root,
+        sizes: BTreeMap::new(),
         over: false,
         within: Vec::new(),
     };
@@ -150,6 +154,9 @@ impl Expander<'_> {
                     let kind = self.catalog.get(&i.kind);
                     let args = i.args.iter().map(|e| of_part(scope.entry(e, kind), kind, home)).collect();
                     let name = format!("{}{}", scope.prefix, i.name);
+                    for e in &i.args {
+                        self.of_file(e, kind, &name, home, scope);
+                    }
                     // the first is that of the instance
                     let group = groups.get(i.group.map_or(0, |g| g + 1)).copied();
                     self.model.items.push(Item { name, group, args, ..i.clone() });

@@ -40,6 +40,7 @@ impl Expander<'_> {
             None => home.clone(),
         };
         let Some(e) = &u.part else {
+            self.settings(u, first_place(u), &home);
             let m = &home.model;
             if let (Some(first), true) = (m.parts.first(), m.items.is_empty() && m.uses.is_empty()) {
                 let d = Diag::error("E013", format!("`{}`: `{}` holds parts, and no part is named", u.name, home.file));
@@ -125,6 +126,7 @@ impl Expander<'_> {
         shift_model(&mut model, start);
         shift_diags(&mut found, start);
         self.diags.extend(found);
+        self.same_units(&path, &model);
         model.text = String::new();
         self.model.files.push(SourceFile { name: path.clone(), text, start });
         let home = Rc::new(Home { file: path.clone(), model });

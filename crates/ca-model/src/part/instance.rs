@@ -6,6 +6,7 @@ use super::read::first;
 use super::scope::{Arg, Scope, is_number};
 use super::{Part, Use};
 use crate::diag::Diag;
+use crate::quantity::Plain;
 use crate::suggest::nearest;
 use crate::{Entry, Group, LARGEST, Value};
 use alloc::collections::BTreeMap;
@@ -22,6 +23,9 @@ impl Expander<'_> {
     /// Puts in what a line of `[use]` says, in `outer`.
     pub fn place(&mut self, u: &Use, home: &Rc<Home>, outer: &Scope) {
         let name = format!("{}{}", outer.prefix, u.name);
+        for e in &u.with {
+            self.of_file(e, None, &name, home, outer);
+        }
         let Some((part, home)) = self.find(u, home) else {
             self.model.lost.push(name);
             return;
@@ -44,6 +48,10 @@ impl Expander<'_> {
             self.model.lost.push(name);
             return;
         };
+        if !self.fits(u, &name, n, &part, &home) {
+            self.model.lost.push(name);
+            return;
+        }
         self.unknown(u, &name, &part);
         self.lengths(u, &name, n, &part);
         self.within.push(this);
@@ -77,6 +85,14 @@ impl Expander<'_> {
         };
         match written {
             Value::Num(v) if v == libm::floor(v) && (1.0..=LARGEST as f64).contains(&v) => Ok(Some(v as usize)),
+            Value::Num(v) if v == libm::floor(v) && v > LARGEST as f64 => {
+                let d = Diag::error("E027", format!("`n` of `{name}` is above {LARGEST}: {}", Plain(v)));
+                let help = format!(
+                    "a model holds fewer than {LARGEST} modules and instances, and a real-time one some thousands"
+                );
+                self.diags.push(d.at(e.span, "too many").help(help));
+                Err(())
+            }
             _ => {
                 let d = Diag::error("E006", format!("`n` of `{name}` must be a whole number from 1 on"));
                 self.diags.push(d.at(e.span, "not a count").help("write how many of them there are, e.g. `n = 12`"));

@@ -7,6 +7,8 @@
 //! for in the part first, then at the root of the model. Against templates of text: a finding could not point into them.
 
 #[cfg(feature = "parse")]
+mod beside;
+#[cfg(feature = "parse")]
 mod expand;
 #[cfg(feature = "parse")]
 mod fan;
@@ -25,6 +27,8 @@ mod read;
 mod scope;
 #[cfg(feature = "parse")]
 mod shift;
+#[cfg(feature = "parse")]
+mod size;
 
 #[cfg(feature = "parse")]
 use super::diag::Diags;

@@ -13,7 +13,7 @@ mod units;
 mod value;
 
 pub use ca_core::numeric::Plain;
-pub use note::{near_note, note, note_name, note_number};
+pub use note::{near_note, note, note_name, note_number, note_of};
 pub use read::{is_quantity, parse, product};
 pub use show::{rounded, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

@@ -8,9 +8,30 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Number of a note of MIDI: `C4` is 60.
+/// Number of a note of MIDI: `C4` is 60, and so is `C4 +5 c`, since a key has no cents.
 pub fn note_number(text: &str) -> Option<u8> {
-    u8::try_from(number(text)?).ok().filter(|n| *n < 128)
+    u8::try_from(number(parts(text)?.0)?).ok().filter(|n| *n < 128)
+}
+
+/// The note nearest to a frequency \[Hz\], with its cents where it is off by more than 1e-6: `A4`, `C#4 -13.7 c`; nothing for what
+/// has no name, below C-1 or above B12. [`note`] gives the frequency back, true to 1e-6 cents.
+///
+/// ```
+/// use ca_model::quantity::note_of;
+/// assert_eq!(note_of(440.0).as_deref(), Some("A4"));
+/// assert_eq!(note_of(441.0).as_deref(), Some("A4 +3.930158 c"));
+/// ```
+pub fn note_of(f: f64) -> Option<String> {
+    const NAMES: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
+    let steps = 69.0 + 12.0 * libm::log2(f / 440.0);
+    let nearest = libm::round(steps);
+    if !(0.0..168.0).contains(&nearest) {
+        return None;
+    }
+    let n = nearest as usize;
+    let name = format!("{}{}", NAMES[n % 12], (n / 12) as i32 - 1);
+    let cents = libm::round((steps - nearest) * 1e8) / 1e6;
+    Some(if cents == 0.0 { name } else { format!("{name} {cents:+} c") })
 }
 
 /// The name of a note of MIDI, with a sharp where it needs one.
@@ -35,14 +56,19 @@ pub fn note_name(number: u8) -> String {
 /// assert_eq!(note("bar"), None);
 /// ```
 pub fn note(text: &str) -> Option<f64> {
+    let (name, cents) = parts(text)?;
+    let steps = f64::from(number(name)? - 69) + cents / 100.0;
+    Some(440.0 * libm::exp2(steps / 12.0))
+}
+
+/// A name with its octave, and the cents behind it.
+fn parts(text: &str) -> Option<(&str, f64)> {
     let text = text.trim();
     // a sign behind the digits of the octave begins the cents
     let digit = text.find(|c: char| c.is_ascii_digit())?;
     let end = text[digit..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |i| digit + i);
     let (name, cents) = text.split_at(end);
-    let cents = if cents.is_empty() { 0.0 } else { cents_of(cents)? };
-    let steps = f64::from(number(name)? - 69) + cents / 100.0;
-    Some(440.0 * libm::exp2(steps / 12.0))
+    Some((name, if cents.is_empty() { 0.0 } else { cents_of(cents)? }))
 }
 
 /// `+5 c`, `-12.5 c`, `+5`

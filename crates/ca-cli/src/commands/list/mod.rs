@@ -75,18 +75,27 @@ fn pretty(v: &Json) -> String {
     format!("{v:#}\n")
 }
 
+/// The pages of all that is called `word`, in JSON the page or a list of them. Names as they are written come before a kind
+/// that is called so in upper case only: `bow` is first the part, then the kind BOW.
 fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
-    // `bow` is a part, `BOW` a kind; where there is no such part, case does not matter
-    let part = LIBRARY.iter().any(|p| p.0 == word);
-    if let Some(kind) = catalog.get(&word.to_ascii_uppercase()).filter(|_| !part) {
-        return Ok(if json { pretty(&page::json(kind)) } else { page::text(kind) });
+    let mut pages: Vec<(String, Json)> = Vec::new();
+    let kind = |code: &str| catalog.get(code).map(|k| (page::text(k), page::json(k)));
+    pages.extend(kind(word));
+    if let Some((part, header)) = shipped(word, catalog) {
+        pages.push((parts::page(&part, &header), parts::json(&part, &header)));
     }
     if let Some(text) = load::bundled(word) {
         let model = read::read(text, word, catalog).0;
-        return Ok(if json { pretty(&model_json(word, &model)) } else { about(word, &model) });
+        pages.push((about(word, &model), model_json(word, &model)));
     }
-    if let Some((part, header)) = shipped(word, catalog) {
-        return Ok(if json { pretty(&parts::json(&part, &header)) } else { parts::page(&part, &header) });
+    let upper = word.to_ascii_uppercase();
+    if upper != word {
+        pages.extend(kind(&upper));
+    }
+    if !pages.is_empty() {
+        let (texts, mut values): (Vec<String>, Vec<Json>) = pages.into_iter().unzip();
+        let value = if values.len() == 1 { values.remove(0) } else { Json::Array(values) };
+        return Ok(if json { pretty(&value) } else { texts.join("\n\n") });
     }
     let shipped = LIBRARY.iter().map(|p| p.0);
     let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));

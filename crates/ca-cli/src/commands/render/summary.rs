@@ -138,8 +138,10 @@ impl Summary<'_> {
                 let name = self.scene.channel_names.get(*channel).map_or("", String::as_str);
                 let percent = (100.0 * share).round();
                 let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
-                let help =
-                    format!("`{}` is furthest from its rest: hold it, or give the output a higher `dc`", self.furthest);
+                let help = match self.furthest.as_str() {
+                    "" => "give the output a higher `dc`".into(),
+                    body => format!("`{body}` is furthest from its rest: hold it, or give the output a higher `dc`"),
+                };
                 term::warning(&format!("{what}; {help}"));
             }
         }

@@ -12,6 +12,7 @@ use account::Account;
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
+use ca_model::plain::plain;
 use serde_json::json;
 use std::io::Write as _;
 
@@ -47,7 +48,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
 fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let title = if take.header.title.is_empty() { &take.header.file } else { &take.header.title };
-    writeln!(out, "{}: {:.3} s of `{title}`", take.path.display(), v.seconds)?;
+    writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, plain(title))?;
     writeln!(
         out,
         "  compared   {} force frames, {} sound samples, {} hashes of the state",

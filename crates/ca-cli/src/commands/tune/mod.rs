@@ -207,7 +207,6 @@ fn number(doc: &DocumentMut, variable: &Variable) -> Option<(f64, bool)> {
 fn turn(doc: &mut DocumentMut, variable: &Variable, v: f64, units: bool) -> Option<String> {
     // more would be nothing but the rounding of the search, and less could be heard by an instrument
     let v = quantity::rounded(v, DIGITS);
-    let written = if units { format!("\"{v:?} {}\"", variable.unit) } else { format!("{v:?}") };
     let mut at: &mut Item = doc.as_item_mut();
     for key in &variable.path {
         at = at.get_mut(key.as_str())?;
@@ -215,6 +214,13 @@ fn turn(doc: &mut DocumentMut, variable: &Variable, v: f64, units: bool) -> Opti
     let place = match variable.place {
         Some(k) => at.as_array_mut()?.get_mut(k)?,
         None => at.as_value_mut()?,
+    };
+    // a note stays one, since it may be that of a MIDI key too
+    let note = place.as_str().filter(|t| quantity::note(t).is_some()).and_then(|_| quantity::note_of(v));
+    let written = match note {
+        Some(note) => format!("\"{note}\""),
+        None if units => format!("\"{v:?} {}\"", variable.unit),
+        None => format!("{v:?}"),
     };
     let decor = place.decor().clone();
     *place = written.parse().ok()?;

@@ -1,11 +1,12 @@
 //! Maker: what makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
 
 use super::{Curves, MOST, Points};
+use crate::findings::{unit_span, wanted, wrong_unit};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::{ABOVE_ZERO, ANY, Dim, Unit};
 use ca_model::diag::Diag;
-use ca_model::quantity::Plain;
+use ca_model::quantity::{self, Plain};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value};
 use core::f64::consts::PI;
@@ -275,7 +276,23 @@ impl Maker<'_, '_, '_> {
         let theirs = (self.c.units)(name).unwrap_or(own);
         let ratio = Dim { m: own.dim.m - theirs.dim.m, kg: own.dim.kg - theirs.dim.kg, s: own.dim.s - theirs.dim.s };
         let gain = match self.find("gain").cloned() {
-            Some(e) => self.constant(&e, Unit { symbol: own.symbol, dim: ratio }, ANY)?,
+            Some(e) => {
+                if let Value::Text(t) = &e.value
+                    && let Ok(q) = quantity::parse(t)
+                    && q.has_unit
+                    && !q.dim.same(ratio)
+                {
+                    let (what, is) = (format!("`gain` of {}", self.what), quantity::unit_of(q.dim));
+                    let d = wrong_unit(&what, &quantity::unit_of(ratio), &is, unit_span(&e, t));
+                    let [a, b] = [own, theirs].map(|u| wanted(u.symbol));
+                    let help = format!(
+                        "it turns the unit of `{name}` ({b}) into that of this gesture ({a}); a plain number does so in SI units"
+                    );
+                    self.c.v.diags.push(d.help(help));
+                    return None;
+                }
+                self.constant(&e, Unit { symbol: own.symbol, dim: ratio }, ANY)?
+            }
             None => 1.0,
         };
         let (offset, delay) = (self.offset()?, self.time("delay", 0.0, (0.0, 86_400.0))?);

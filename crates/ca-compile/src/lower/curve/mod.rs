@@ -85,6 +85,11 @@ impl Curves<'_, '_> {
                 .push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
             return None;
         }
+        if let Some(i) = points.iter().position(|p| p[0] > 86_400.0) {
+            let d = Diag::error("E009", format!("{what} has a point beyond a day: {} s", Plain(points[i][0])));
+            self.v.diags.push(d.at(list[i].span, "out of range").help("times are seconds; use 86400 or less"));
+            return None;
+        }
         Some(points)
     }
 

@@ -1,0 +1,82 @@
+//! Hands: what moves the ports at the beginning, and which of them one hand moves at once.
+//!
+//! Decides that a port which its gesture takes away at load is a warning where something is tied to it: the link then holds an
+//! energy that nobody gave it, and the first thing heard is a blow. Ports on one degree of freedom are legitimate, so a note.
+
+use crate::net::{End, MatRole, Wired};
+use alloc::collections::BTreeMap;
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::kind::Unit;
+use ca_core::scene::InputRole;
+use ca_model::diag::{Diag, Diags};
+use ca_model::{Model, Span, Value, quantity};
+
+/// A gesture begins where its port stands, as far as this \[m\].
+const THERE: f64 = 1e-6;
+/// And as far as this share of the way it goes: noise upon a stroke is part of the stroke.
+const OF_WAY: f64 = 0.01;
+
+/// Says both.
+pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
+    jumps(model, net, diags);
+    shared(model, net, diags);
+}
+
+fn jumps(model: &Model, net: &Wired, diags: &mut Diags) {
+    if net.resolved.gestures.is_empty() {
+        return;
+    }
+    let mut tied = alloc::vec![false; net.resolved.inputs.len()];
+    for end in net.resolved.lias.iter().flat_map(|l| l.all_ends()) {
+        let End::Mat(m) = end else { continue };
+        if let Some(MatRole::Port(_, inputs)) = net.resolved.mats.get(m as usize).map(|m| m.role) {
+            for i in inputs.into_iter().flatten() {
+                tied[i as usize] = true;
+            }
+        }
+    }
+    for (name, points) in &net.resolved.gestures {
+        let Some(at) = net.resolved.inputs.iter().position(|i| i.name == *name) else { continue };
+        let input = &net.resolved.inputs[at];
+        let Some([_, first]) = points.first() else { continue };
+        let (low, high) = points.iter().fold((*first, *first), |(a, b), p| (a.min(p[1]), b.max(p[1])));
+        let there = THERE.max(OF_WAY * (high - low));
+        if !tied[at] || input.role == InputRole::Force || (first - input.rest).abs() <= there {
+            continue;
+        }
+        let e = model.gestures.iter().find(|e| e.key == *name);
+        let span = e.map_or(Span::NONE, |e| match &e.value {
+            Value::List(l) => l.first().map_or(e.span, |p| p.span),
+            _ => e.span,
+        });
+        let [first, rest] = [*first, input.rest].map(|v| quantity::show(quantity::six(v), Unit::METRE));
+        let title = format!("gesture `{name}` begins at {first}, and its port stands at {rest}");
+        let d = Diag::warning("W116", title).at(span, "what is tied to it is jerked at load");
+        diags.push(d.help(format!("let the first point be at \"{rest}\", or give the port `x = \"{first}\"`")));
+    }
+}
+
+fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
+    let mut by: BTreeMap<(&str, u32), Vec<&str>> = BTreeMap::new();
+    for i in &net.resolved.inputs {
+        if let Some((device, dof)) = &i.device {
+            by.entry((device, *dof)).or_default().push(&i.name);
+        }
+    }
+    for ((device, dof), ports) in by.into_iter().filter(|p| p.1.len() > 1) {
+        let all: Vec<String> = ports.iter().take(3).map(|p| format!("`{p}`")).collect();
+        let more = if ports.len() > 3 { format!(" and {} more", ports.len() - 3) } else { String::new() };
+        let title = format!(
+            "degree of freedom {dof} of `{device}` moves {} ports at once: {}{more}",
+            ports.len(),
+            all.join(", ")
+        );
+        let item = model.items.iter().find(|i| i.name == ports[1]);
+        let entry = item.and_then(|i| i.args.iter().find(|e| e.key == "dof"));
+        let span = entry.map(|e| e.span).or(item.map(|i| i.name_span)).unwrap_or(Span::NONE);
+        let help = "nothing is amiss if one key is to move them all; else give each a `dof` of its own, of instances by a list in `with`: `dof = [0, 1, …]`";
+        diags.push(Diag::note("N204", title).at(span, "the same").help(help));
+    }
+}

@@ -1,0 +1,100 @@
+//! Beside: what stands in the file of a part and does not come with it: its units, its `[param]`, its settings.
+//!
+//! Decides that nothing of it is left behind in silence. A part is read in the units of the model, so a file in other units is an
+//! error; a name that only the file gives a value is one too, even where the model has a parameter called so, which the author of
+//! the part did not mean; the settings of a file that is used whole are those of the model, which is a note.
+
+use super::Use;
+use super::expand::Expander;
+use super::find::Home;
+use super::scope::Scope;
+use crate::diag::Diag;
+use crate::reader::ticked;
+use crate::{Entry, Model, Span, Value};
+use alloc::format;
+use alloc::vec::Vec;
+use ca_core::kind::{Kind, Type};
+
+/// Keys of `[model]` that change what is computed, beside the units.
+const SETTINGS: &[&str] = &["gravity", "friction", "method", "theta", "start"];
+
+impl Expander<'_> {
+    /// The units of a file are those of the model.
+    pub fn same_units(&mut self, file: &str, of: &Model) {
+        let Some(e) = of.meta("units") else { return };
+        let (theirs, ours) = (word(Some(e)), word(self.model.meta("units")));
+        let rate = of.meta("reference_rate").map(|e| &e.value);
+        let other_rate =
+            theirs == "alg" && rate.is_some() && rate != self.model.meta("reference_rate").map(|e| &e.value);
+        if theirs == ours && !other_rate {
+            return;
+        }
+        let what = if theirs == ours { "at another `reference_rate`" } else { "unlike the model" };
+        let d = Diag::error("E028", format!("`{file}` is written in `{theirs}` units, {what}"));
+        let help = format!(
+            "give its numbers units, such as `\"20 g\"`, and leave out `units`, or let the model say `units = \"{theirs}\"` as it does"
+        );
+        self.diags.push(d.at(e.span, "of this file alone").help(help));
+    }
+
+    /// Says which settings of a file that is used whole are not those of the model.
+    pub fn settings(&mut self, u: &Use, at: Span, home: &Home) {
+        let ours = |section: &[Entry], e: &Entry| section.iter().any(|o| o.key == e.key && o.value == e.value);
+        let meta = home.model.meta.iter().filter(|e| SETTINGS.contains(&e.key.as_str()));
+        let meta = meta.filter(|e| !ours(&self.model.meta, e));
+        let rate = home.model.rate.iter().filter(|e| !ours(&self.model.rate, e));
+        let left: Vec<&Entry> = meta.chain(rate).collect();
+        let Some(first) = left.first() else { return };
+        if self.diags.list.iter().any(|d| d.code == "N202" && d.span() == at) {
+            return;
+        }
+        let keys = ticked(left.iter().map(|e| e.key.as_str()));
+        let d = Diag::note("N202", format!("`{}`: `{}` is used without its {keys}", u.name, home.file));
+        let d = d.at(at, "not all of it is used").at(first.key_span, "holds for this file alone");
+        let help = "`[model]` and `[rate]` are those of the model that uses it: write there what is to hold";
+        self.diags.push(d.help(help));
+    }
+
+    /// Reports the names in a number of a part that only the file of the part gives a value; `owner` is whose number it is.
+    pub fn of_file(&mut self, e: &Entry, kind: Option<&'static Kind>, owner: &str, home: &Home, scope: &Scope) {
+        use Type::{Between, Choice, File, Flag, Midi, Module, Text};
+        if home.file.is_empty() || home.model.params.is_empty() {
+            return;
+        }
+        let ty = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty));
+        if !matches!(ty, Some(Between | Module | Choice(_) | Flag | Text | File | Midi)) {
+            self.name_of_file(e, &e.key, owner, home, scope);
+        }
+    }
+
+    fn name_of_file(&mut self, e: &Entry, key: &str, owner: &str, home: &Home, scope: &Scope) {
+        let name = match &e.value {
+            Value::List(l) | Value::Table(l) => {
+                return l.iter().for_each(|x| self.name_of_file(x, key, owner, home, scope));
+            }
+            Value::Text(t) => t.trim(),
+            _ => return,
+        };
+        let Some(p) = home.model.params.iter().find(|p| p.key == name) else { return };
+        if scope.args.contains_key(name) || scope.own.contains(name) {
+            return;
+        }
+        let d = Diag::error(
+            "E013",
+            format!("`{key}` of `{owner}`: a part does not see `{name}`, a parameter of `{}`", home.file),
+        );
+        let part = self.within.last().map_or("", |w| w.1.as_str());
+        let help =
+            format!("a part sees its own parameters: declare `{name}` in `[part.{part}.param]`, and give it in `with`");
+        self.diags.push(d.at(e.span, "not of the part").at(p.key_span, "of the file").help(help));
+        self.model.lost.push(name.into());
+    }
+}
+
+/// The units of a model.
+fn word(units: Option<&Entry>) -> &str {
+    match units.map(|e| &e.value) {
+        Some(Value::Text(t)) => t.trim(),
+        _ => "si",
+    }
+}

@@ -1,0 +1,59 @@
+//! Size: how many modules and instances a line of `[use]` makes at the least, known before any is made.
+//!
+//! Decides for a lower bound from the text alone: what stands in another file, and a part whose number of instances is a
+//! parameter, count once. A bound that is too large is a refusal at once; what it misses is stopped while it is put in.
+
+use super::expand::Expander;
+use super::find::Home;
+use super::{Part, Use};
+use crate::diag::Diag;
+use crate::{LARGEST, Value};
+use alloc::format;
+
+/// Modules, instances.
+pub(super) type Size = [usize; 2];
+
+impl Expander<'_> {
+    /// Whether `n` instances of `part` have room in the model; where they have none, that is reported.
+    pub fn fits(&mut self, u: &Use, name: &str, n: Option<usize>, part: &Part, home: &Home) -> bool {
+        let [modules, instances] = self.size(part, home).map(|one| one.saturating_mul(n.unwrap_or(1)));
+        let there = self.model.items.len().max(self.model.groups.len());
+        if modules.max(instances).saturating_add(there) < LARGEST {
+            return true;
+        }
+        let title = format!("`{name}` would make {instances} instances with {modules} modules");
+        let at = [&u.n, &u.part, &u.file].into_iter().flatten().next().map_or(u.span, |e| e.span);
+        let help = format!("a model holds fewer than {LARGEST}, and a real-time one some thousands");
+        self.diags.push(Diag::error("E027", title).at(at, "too many").help(help));
+        false
+    }
+
+    /// What one instance of a part makes.
+    fn size(&mut self, part: &Part, home: &Home) -> Size {
+        let key = (home.file.clone(), part.name.clone());
+        if let Some(known) = self.sizes.get(&key) {
+            return *known;
+        }
+        // a part that uses itself is refused elsewhere
+        self.sizes.insert(key.clone(), [0, 0]);
+        let mut all: Size = [part.body.items.len(), 1 + part.body.groups.len()];
+        for u in &part.body.uses {
+            let inner = match (&u.part, &u.file) {
+                (Some(e), None) => {
+                    home.model.parts.iter().find(|p| matches!(&e.value, Value::Text(t) if t.trim() == p.name))
+                }
+                _ => None,
+            };
+            let one = inner.map_or([0, 1], |p| self.size(p, home));
+            let n = match u.n.as_ref().map(|e| &e.value) {
+                Some(Value::Num(v)) if *v >= 1.0 => *v as usize,
+                _ => 1,
+            };
+            for (sum, one) in all.iter_mut().zip(one) {
+                *sum = sum.saturating_add(one.saturating_mul(n));
+            }
+        }
+        self.sizes.insert(key, all);
+        all
+    }
+}
