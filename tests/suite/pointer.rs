@@ -167,7 +167,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
         let mut random = Random(11);
         let mut held = 0;
         // of many equal parts the same place of each may be met, which cannot be held: then others
-        let step = (scene.mats() / 12).max(1);
+        let step = (scene.mats() / if bundled(&name) { 48 } else { 12 }).max(1);
         let by = |step: usize| -> Vec<_> {
             let all = (0..scene.mats()).step_by(step);
             all.filter_map(|mass| Some((mass, Touched::Grab(mass as u32).again(&scene)?))).collect()
