@@ -95,6 +95,9 @@ const LAWS: [(&str, f64, f64); 12] = [
     ("POW", 25.0, 25.0),
 ];
 
+/// Contacts by the method `stable`, each by itself, as they press.
+const STABLE: [(&str, Price); 2] = [("BUT stable", Price::of(80.0, 250.0)), ("HRZ stable", Price::of(95.0, 800.0))];
+
 /// Passes that are not links, by their names.
 const PASSES: [(&str, Price); 18] = [
     ("ENF", Price::of(41.0, 25.0)),
@@ -207,6 +210,9 @@ fn passes(scene: &Scene, asked: impl Fn(&Op) -> bool) -> f64 {
 fn links(scene: &Scene, op: &Op) -> Option<f64> {
     let (law, form, n) = (op.law?, op.form, op.n);
     let code = law.code.strip_prefix("LPR_").unwrap_or(law.code);
+    if let Some((_, price)) = STABLE.iter().find(|s| s.0 == code) {
+        return Some(price.at(n, 0));
+    }
     let (one_by_one, in_a_row) = match LAWS.iter().find(|l| l.0 == code) {
         Some(l) => (l.1, l.2),
         None if law.linear && !law.implicit => (0.0, 0.0),
