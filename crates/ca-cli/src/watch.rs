@@ -28,10 +28,11 @@ impl Watched {
         Watched { path, read, seen: read }
     }
 
-    /// Whether it is as at the last look, and other than it was read; it counts as read then.
+    /// Whether it is as at the last look, and other than it was read; it counts as read then. One without a byte is being
+    /// written.
     fn look(&mut self) -> bool {
         let stamp = stamp(&self.path);
-        let new = stamp.is_some() && stamp == self.seen && stamp != self.read;
+        let new = stamp.is_some_and(|(_, bytes)| bytes > 0) && stamp == self.seen && stamp != self.read;
         if new {
             self.read = stamp;
         }
