@@ -38,6 +38,7 @@ mod oracle;
 mod outputs;
 mod oversample;
 mod parts;
+mod parts_apart;
 mod peers;
 mod pefrl;
 mod play;

@@ -5,6 +5,7 @@
 //! begins there or a tick later is for the last bit to say, in either precision.
 
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
+use crate::thresholds::{k, link, z};
 use ca_compile_single::{Compiled, KernelClass, Options, load};
 use ca_core_single as single;
 use ca_model_single::diag::{Diags, Severity};
@@ -320,4 +321,49 @@ fn a_change_out_of_range_is_refused() {
     let why = controls.set("k", 1e50).expect_err("out of range").to_string();
     assert!(why.contains("beyond computing"), "{why}");
     assert!(crate::play::scene(text).controls().set("k", 1e50).is_ok());
+}
+
+/// Single precision: how stiff an implicit link may be, how slow a decay, how large and small a number.
+#[test]
+fn the_limits_of_single_precision_are_where_they_are_stated() {
+    let found = |text: &str| {
+        use ca_compile_single::{Options, compile};
+        use ca_model_single::read::read;
+        let (model, read) = read(text, "test.ca.toml", &ca_model_single::catalog());
+        let list = match compile(&model, &ca_model_single::catalog(), &Options::default()) {
+            Ok(scene) => scene.findings.list,
+            Err(diags) => diags.list,
+        };
+        let all = read.list.into_iter().chain(list);
+        let lines: Vec<_> =
+            all.map(|d| format!("{}: {} ({})\n", d.code, d.title, d.help.unwrap_or_default())).collect();
+        lines.concat()
+    };
+    // θ k T²/m of one end
+    let stiff = |a: f64| link("RES", &format!("k = {:?}, method = \"implicit\", theta = 0.25", k(4.0 * a)));
+    // 1 − zT/m lies between two numbers of single precision, ten and a bit of their distance from 1
+    let fades = |bit: f64| {
+        let z = z((10.0 + bit) * f64::from(f32::EPSILON) / 2.0);
+        format!("[CEL]\nbar = {{ m = \"1 g\", k = 1, z = {z:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n")
+    };
+    let large = |k: f64| link("BUT", &format!("k = {k:?}"));
+    let far = |x: f64| format!("[CEL]\nbar = {{ m = 1, k = 1, dx0 = {x:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n");
+    let rubbed = |by: &str| {
+        format!(
+            "[SOL]\nw = {{}}\n[ENX]\nbelt = {{}}\n[CEL]\nm = {{ m = 1, k = 1, dx0 = 1 }}\n[BOW]\n\
+             rub = {{ between = [\"{by}\", \"m\"], curve = \"coulomb\", method = \"set-valued\", f = 1 }}\n[SOX]\nout = {{ from = [\"m\", \"belt\"] }}\n"
+        )
+    };
+    for (code, words, quiet, reported) in [
+        ("E028", "sticks to what is moved from outside", rubbed("w"), rubbed("belt")),
+        ("E028", "too stiff for single precision", stiff(99.9), stiff(100.1)),
+        ("W114", "fades too slowly", fades(0.1), fades(0.103)),
+        ("E009", "beyond single precision", large(3.40e38), large(3.41e38)),
+        ("E009", "beyond single precision", large(1.18e-38), large(1.17e-38)),
+        ("E009", "beyond single precision", far(1.01e-30), far(0.99e-30)),
+    ] {
+        let is = |text: &str| found(text).lines().any(|l| l.starts_with(code) && l.contains(words));
+        assert!(!is(&quiet), "{code} ({words}) is reported\n{quiet}\n{}", found(&quiet));
+        assert!(is(&reported), "{code} ({words}) is not reported\n{reported}\n{}", found(&reported));
+    }
 }

@@ -1,7 +1,8 @@
 //! How a simulated device plays an instrument: by the gesture that its model has built in.
 //!
 //! Decides that the hand of the simulated device follows the gesture itself, in the lengths of the hand, rather than a script with
-//! numbers of its own: so a built-in gesture that no hand could play, by its travel, is found out, and one that is too fast says by how much.
+//! numbers of its own: so a built-in gesture that no hand could play, by its travel, is found out, and one that is too fast for the
+//! guard says by how much.
 
 use ca_core::Scene;
 use std::collections::BTreeMap;
@@ -42,18 +43,12 @@ pub fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> 
         if name != device {
             continue;
         }
-        let points = scene
-            .gestures
-            .iter()
-            .find(|g| g.0 == i.name)
-            .map(|g| g.1.iter().map(|p| [p[0] * stroke.slower, p[1]]).collect());
-        let way: Vec<[f64; 2]> = points.unwrap_or_else(|| vec![[0.0, i.rest]]);
-        let own = stroke.ways.iter().find(|w| w.0 == *dof);
-        if let Some((_, way)) = own {
-            ways.insert(*dof, way.to_vec());
-            continue;
-        }
-        ways.insert(*dof, way.into_iter().map(|[t, x]| [t, x / i.gains.alpha]).collect());
+        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.gestures.iter().find(|g| g.0 == i.name)) {
+            (Some((_, own)), _) => own.to_vec(),
+            (None, Some((_, points))) => points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect(),
+            (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
+        };
+        ways.insert(*dof, way);
     }
     let mut csv = String::from("time");
     let last = *ways.keys().next_back()?;

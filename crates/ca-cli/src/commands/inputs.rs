@@ -11,7 +11,7 @@ use ca_model::quantity::{note_name, show};
 
 /// Notes that are listed one by one.
 const LISTED: usize = 8;
-/// Lines of ports; of more only the names are told.
+/// Lines of ports; more are named in the last.
 const LINES: usize = 8;
 
 /// Ports that differ in their index and their notes alone.

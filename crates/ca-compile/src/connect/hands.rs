@@ -37,8 +37,10 @@ fn jumps(model: &Model, net: &Wired, diags: &mut Diags) {
             }
         }
     }
+    let of: BTreeMap<&str, usize> =
+        net.resolved.inputs.iter().enumerate().map(|(at, i)| (i.name.as_str(), at)).collect();
     for (name, points) in &net.resolved.gestures {
-        let Some(at) = net.resolved.inputs.iter().position(|i| i.name == *name) else { continue };
+        let Some(at) = of.get(name.as_str()).copied() else { continue };
         let input = &net.resolved.inputs[at];
         let Some([_, first]) = points.first() else { continue };
         let (low, high) = points.iter().fold((*first, *first), |(a, b), p| (a.min(p[1]), b.max(p[1])));

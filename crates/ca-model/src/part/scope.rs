@@ -108,7 +108,7 @@ impl Scope {
                 Some((more, name)) => (factor * more, name.into()),
                 None => (factor, t.clone()),
             },
-            // no number: what is said of it is said of this
+            // a list or a flag: what is said of it is said of this
             Arg::Outer(v, _, span) | Arg::Other(v, span) => return Some((v.clone(), Some(*span))),
         };
         Some((Value::Text(format!("{factor} {name}")), None))

@@ -22,14 +22,12 @@ pub fn note_number(text: &str) -> Option<u8> {
 /// assert_eq!(note_of(441.0).as_deref(), Some("A4 +3.930158 c"));
 /// ```
 pub fn note_of(f: f64) -> Option<String> {
-    const NAMES: [&str; 12] = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
     let steps = 69.0 + 12.0 * libm::log2(f / 440.0);
     let nearest = libm::round(steps);
     if !(0.0..168.0).contains(&nearest) {
         return None;
     }
-    let n = nearest as usize;
-    let name = format!("{}{}", NAMES[n % 12], (n / 12) as i32 - 1);
+    let name = note_name(nearest as u8);
     let cents = libm::round((steps - nearest) * 1e8) / 1e6;
     Some(if cents == 0.0 { name } else { format!("{name} {cents:+} c") })
 }

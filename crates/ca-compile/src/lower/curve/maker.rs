@@ -1,6 +1,6 @@
 //! Maker: what makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
 
-use super::{Curves, MOST, Points};
+use super::{Curves, DAY, MOST, Points};
 use crate::findings::{unit_span, wanted, wrong_unit};
 use alloc::format;
 use alloc::vec::Vec;
@@ -58,7 +58,7 @@ impl Maker<'_, '_, '_> {
 
     /// When it ends \[s\]: as written, or with the model.
     fn end(&mut self) -> Option<f64> {
-        let end = self.time("to", self.c.net.seconds.unwrap_or(f64::NAN), (0.0, 86_400.0))?;
+        let end = self.time("to", self.c.net.seconds.unwrap_or(f64::NAN), (0.0, DAY))?;
         if end.is_nan() {
             let d = Diag::error("E005", format!("{} does not say when it ends", self.what)).at(self.at, "without `to`");
             self.c.v.diags.push(d.help("add e.g. `to = 4`, in seconds, or `seconds` to `[model]`"));
@@ -69,7 +69,7 @@ impl Maker<'_, '_, '_> {
 
     /// When it begins and ends \[s\].
     fn span(&mut self) -> Option<(f64, f64)> {
-        let (from, to) = (self.time("from", 0.0, (0.0, 86_400.0))?, self.end()?);
+        let (from, to) = (self.time("from", 0.0, (0.0, DAY))?, self.end()?);
         if to < from {
             let (from, to) = (Plain(from), Plain(to));
             let d = Diag::error("E019", format!("{} begins at {from} s and ends at {to} s", self.what));
@@ -196,18 +196,18 @@ impl Maker<'_, '_, '_> {
     /// Up, a while, and down again, once or many times.
     pub(super) fn pulse(&mut self, of: &Entry) -> Option<Points> {
         let (height, offset) = (self.value(of)?, self.offset()?);
-        let rise = self.time("rise", 0.0, (0.0, 86_400.0))?;
-        let hold = self.time("hold", 0.0, (0.0, 86_400.0))?;
-        let fall = self.time("fall", rise, (0.0, 86_400.0))?;
+        let rise = self.time("rise", 0.0, (0.0, DAY))?;
+        let hold = self.time("hold", 0.0, (0.0, DAY))?;
+        let fall = self.time("fall", rise, (0.0, DAY))?;
         if rise + hold + fall == 0.0 {
             return self.missing("hold", "\"50 ms\"` or `rise = \"20 ms\"");
         }
         let mut starts = match self.find("at").cloned() {
             None => Vec::from([0.0]),
             Some(Entry { value: Value::List(list), .. }) => {
-                list.iter().map(|e| self.constant(e, Unit::SECOND, (0.0, 86_400.0))).collect::<Option<_>>()?
+                list.iter().map(|e| self.constant(e, Unit::SECOND, (0.0, DAY))).collect::<Option<_>>()?
             }
-            Some(e) => Vec::from([self.constant(&e, Unit::SECOND, (0.0, 86_400.0))?]),
+            Some(e) => Vec::from([self.constant(&e, Unit::SECOND, (0.0, DAY))?]),
         };
         if self.find("every").is_some() {
             if starts.len() > 1 {
@@ -295,7 +295,7 @@ impl Maker<'_, '_, '_> {
             }
             None => 1.0,
         };
-        let (offset, delay) = (self.offset()?, self.time("delay", 0.0, (0.0, 86_400.0))?);
+        let (offset, delay) = (self.offset()?, self.time("delay", 0.0, (0.0, DAY))?);
         if let Some(made) = self.c.made.get(name) {
             let points = made.as_ref()?.iter().map(|[t, v]| [t + delay, offset + gain * v]).collect();
             return Some(points);

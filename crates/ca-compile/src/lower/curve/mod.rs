@@ -22,6 +22,8 @@ use maker::Maker;
 
 /// More points than this are refused.
 pub const MOST: usize = 1 << 22;
+/// Longest time of a gesture \[s\].
+const DAY: f64 = 86_400.0;
 
 /// Points \[s, value\].
 pub type Points = Vec<[f64; 2]>;
@@ -85,7 +87,7 @@ impl Curves<'_, '_> {
                 .push(d.at(list[i].span, "before the beginning").help("times are seconds from the first sample"));
             return None;
         }
-        if let Some(i) = points.iter().position(|p| p[0] > 86_400.0) {
+        if let Some(i) = points.iter().position(|p| p[0] > DAY) {
             let d = Diag::error("E009", format!("{what} has a point beyond a day: {} s", Plain(points[i][0])));
             self.v.diags.push(d.at(list[i].span, "out of range").help("times are seconds; use 86400 or less"));
             return None;
