@@ -5,26 +5,12 @@
 //! once a gesture frame, and coefficients go to what it says in a straight line over the frame, as those of a live parameter do.
 
 use super::Op;
-use crate::numeric::{Real, real, wide};
+use crate::numeric::{real, wide};
 use crate::op::layout::Layout;
 use crate::op::substep::phase;
 use crate::state::State;
-use alloc::vec::Vec;
 
-/// A parameter that a port drives.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Driven {
-    /// the port: a place in [`State::input`]
-    pub input: u32,
-    /// where the port is at the smallest and at the largest value of the parameter \[m\] or \[N\]
-    pub span: [f64; 2],
-    /// rows of the table, at least two
-    pub rows: usize,
-    /// the coefficients that it reaches: indices into [`LivePlan::coefs`](crate::live::LivePlan::coefs) (places)
-    pub places: Vec<u32>,
-    /// their values at equal steps of the parameter (rows x places)
-    pub table: Vec<Real>,
-}
+pub use crate::op::layout::Driven;
 
 /// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
 pub fn drive(_op: &Op, layout: &Layout, s: &mut State) {

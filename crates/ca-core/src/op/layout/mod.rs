@@ -4,12 +4,14 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
+mod driven;
 mod group;
 mod ledger;
 mod modal;
 mod outputs;
 mod waves;
 
+pub use driven::Driven;
 pub use group::{Copied, Response, SlowGroup};
 pub use ledger::{Account, LedgerPlan, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
@@ -17,7 +19,6 @@ pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::Vectors;
-use super::driven::Driven;
 use crate::numeric::ldl::Pattern;
 use crate::numeric::{Real, Table};
 use crate::state::State;
