@@ -1,11 +1,11 @@
 //! The kinds: one for each law, made of the kind of the core at compile time.
 //!
-//! Decides that parameters, their docs and their alternatives are those of the law, copied as data, so that they cannot
-//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`, of which only LPR_BOW has one; what is added
-//! is `onto`, behind the others, since a law knows its parameters by number.
+//! Decides that titles, pages and examples are written here, a kind after the other, where a law deserves words of its own;
+//! what a kind has of its law stays as it is there, with the parameters that [`crate::params`] makes of those of the law.
 
 use crate::laws;
-use ca_core::kind::{Kind, Need, Param, Role, Type};
+use crate::params::{BOW, PAGE, count, params};
+use ca_core::kind::{Kind, Param, Role};
 use ca_core::phi;
 
 /// All kinds of this crate, in the order of the documentation.
@@ -24,66 +24,6 @@ pub const KINDS: &[&Kind] = &{
 quadripoles! {
     pow: Pow;
 }
-
-const ONTO: Param = Param::new(
-    "onto",
-    Type::Between,
-    Need::Required,
-    "the two ends of the second port, in the other world; each side one end, or as many as `between` makes links",
-);
-
-/// What every LPR is, behind what its law is.
-pub const PAGE: &str = " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
-                        in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                        The second port, or the one on a line where only one is in space, is slack at rest. For the law itself \
-                        see the kind without `LPR_`.";
-
-const fn is_kept(p: &Param) -> bool {
-    // methods other than the explicit one know of one port
-    !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method" | b"theta")
-}
-
-/// How many parameters the LPR of `kind` has.
-pub const fn count(kind: &Kind) -> usize {
-    let (mut n, mut i) = (1, 0);
-    while i < kind.params.len() {
-        n += is_kept(&kind.params[i]) as usize;
-        i += 1;
-    }
-    n
-}
-
-/// They.
-pub const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
-    let mut all = [ONTO; N];
-    let (mut n, mut i) = (0, 0);
-    while i < kind.params.len() {
-        if is_kept(&kind.params[i]) {
-            all[n] = kind.params[i];
-            n += 1;
-        }
-        i += 1;
-    }
-    all
-}
-
-/// They, the last of them from `more`.
-const fn with<const N: usize>(mut all: [Param; N], more: &[Param]) -> [Param; N] {
-    let mut i = 0;
-    while i < more.len() {
-        all[N - more.len() + i] = more[i];
-        i += 1;
-    }
-    all
-}
-
-/// The methods of LPR_BOW.
-const DRY: Param = Param::new(
-    "method",
-    Type::Choice(&["ca", "set-valued"]),
-    Need::Default(0.0),
-    "ca: explicit; set-valued, of the curve coulomb: what sticks stands still in the sum of both",
-);
 
 /// A body of two masses in space whose edge is the link, heard on a cell: `speed` along the edge.
 macro_rules! edge {
@@ -122,18 +62,19 @@ macro_rules! drawn {
 }
 
 macro_rules! kind {
-    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr $(, $more:ident)?) => {
+    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr) => {
+        kind!($name, $code, $law, $of, $title, $doc, $example, {
+            const PARAMS: [Param; count(&$of)] = params(&$of);
+            &PARAMS
+        });
+    };
+    ($name:ident, $code:literal, $law:ident, $of:path, $title:literal, $doc:literal, $example:expr, $params:expr) => {
         pub static $name: Kind = Kind {
             code: $code,
             title: $title,
             doc: text!($doc, PAGE),
             source: &["Rattle"],
-            params: {
-                const MORE: &[Param] = &[$($more)?];
-                const N: usize = count(&$of) + MORE.len();
-                const PARAMS: [Param; N] = with(params(&$of), MORE);
-                &PARAMS
-            },
+            params: $params,
             example: $example,
             role: Role::Lia(&laws::$law),
             ..$of
@@ -242,5 +183,5 @@ kind!(
     "bow friction across two worlds",
     "One bow for two: what it draws is the sum of their speeds.",
     drawn!("LPR_BOW", "f = \"0.3 N\", v0 = \"50 mm/s\"", "2000", "[[0, 0], [1, \"0.2 m\"]]"),
-    DRY
+    BOW
 );

@@ -6,7 +6,7 @@
 //! taken, and the general law would run.
 
 use crate::op::kernel;
-use crate::{dry, kinds};
+use crate::{dry, params};
 use ca_core::kind::Type;
 use ca_core::op::Law;
 use ca_core::phi;
@@ -49,9 +49,10 @@ pub static BOW: Law = Law {
     code: "LPR_BOW smooth",
     kernel: kernel::<phi::bow::Smooth, _, _>,
     simpler: |p| {
+        let position = |name: &str| params::BOW.iter().position(|p| p.name == name);
         let is = |name: &str, word: &str| {
-            let at = kinds::LPR_BOW.param(name)?;
-            let (Type::Choice(words), Some(v)) = (kinds::LPR_BOW.params[at].ty, p.get(at)?.number()) else {
+            let at = position(name)?;
+            let (Type::Choice(words), Some(v)) = (params::BOW[at].ty, p.get(at)?.number()) else {
                 return None;
             };
             Some(words.get(v as usize) == Some(&word))
@@ -60,7 +61,7 @@ pub static BOW: Law = Law {
             return Some(&dry::LAW);
         }
         // the law of the core would take the method for one of its own
-        let method = kinds::LPR_BOW.param("method")?;
+        let method = position("method")?;
         quadripole((phi::bow::SMOOTH.simpler)(p.get(..method)?)?)
     },
     ..phi::bow::SMOOTH

@@ -36,5 +36,6 @@ mod dry;
 mod kinds;
 mod laws;
 pub mod op;
+mod params;
 
 pub use kinds::KINDS;

@@ -100,10 +100,10 @@ macro_rules! quadripoles {
                 pub static KIND: Kind = Kind {
                     code: text!("LPR_", law::KIND.code),
                     title: text!(law::KIND.title, " across two worlds"),
-                    doc: text!(law::KIND.doc, $crate::kinds::PAGE),
+                    doc: text!(law::KIND.doc, $crate::params::PAGE),
                     source: &["Rattle"],
                     params: {
-                        const PARAMS: [Param; $crate::kinds::count(&law::KIND)] = $crate::kinds::params(&law::KIND);
+                        const PARAMS: [Param; $crate::params::count(&law::KIND)] = $crate::params::params(&law::KIND);
                         &PARAMS
                     },
                     example: text!(
