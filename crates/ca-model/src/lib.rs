@@ -26,6 +26,8 @@ pub mod diag;
 mod entry;
 #[cfg(feature = "parse")]
 pub mod explain;
+#[cfg(feature = "parse")]
+mod file;
 pub mod generate;
 #[cfg(feature = "parse")]
 mod members;

@@ -1,12 +1,15 @@
 //! The reader at work: what it has of the text and of the model, and the questions all sections ask.
 //!
-//! Decides what is a name, what is nearly a known key, and that what cannot be read is remembered by name.
+//! Decides what is a name, what is nearly a known key, that what cannot be read is remembered by name, and that of two modules
+//! of one name the first is kept.
 
 use super::diag::{Diag, Diags};
+use super::names::all_differ;
 use super::select::{is_name, is_word};
 use super::suggest::nearest;
 use super::syntax::Source;
 use super::{Entry, Model, Span};
+use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -115,4 +118,33 @@ impl Reader<'_, '_> {
         self.model.lost.push(word.into());
         false
     }
+}
+
+/// Sorts modules by place and leaves out those whose name is taken.
+pub(super) fn unique(model: &mut Model, diags: &mut Diags) {
+    model.items.sort_by_key(|i| i.name_span);
+    model.items.shrink_to_fit();
+    let groups = model.groups.iter().map(|g| (g.name.as_str(), g.span));
+    let groups = groups.chain(model.uses.iter().map(|u| (u.name.as_str(), u.span)));
+    if all_differ(groups.clone().map(|g| g.0).chain(model.items.iter().map(|i| i.name.as_str()))) {
+        return;
+    }
+    let mut taken: BTreeMap<&str, Span> = groups.collect();
+    let mut kept = Vec::with_capacity(model.items.len());
+    for item in &model.items {
+        let first = taken.get(item.name.as_str()).copied();
+        kept.push(first.is_none());
+        let Some(first) = first else {
+            taken.insert(&item.name, item.name_span);
+            continue;
+        };
+        diags.push(
+            Diag::error("E012", format!("`{}` is used twice", item.name))
+                .at(item.name_span, "again here")
+                .at(first, "first here")
+                .help("names are unique in a model: rename one of the two"),
+        );
+    }
+    let mut kept = kept.into_iter();
+    model.items.retain(|_| kept.next().unwrap_or(true));
 }

@@ -5,8 +5,7 @@
 //! the part did not mean; the settings of a file that is used whole are those of the model, which is a note.
 
 use super::Use;
-use super::expand::Expander;
-use super::find::Home;
+use super::expander::{Expander, Home};
 use super::scope::Scope;
 use crate::diag::Diag;
 use crate::reader::ticked;

@@ -1,14 +1,12 @@
 //! Expand: the modules of a model and those of the parts it uses, in the order in which the lines stand.
 
+use super::expander::{Expander, Home, Open};
 use super::fan::fan;
-use super::find::Home;
-use super::instance::of_part;
 use super::scope::Scope;
-use super::size::Size;
 use super::{Part, Use};
-use crate::diag::{Diag, Diags};
-use crate::{Entry, Item, LARGEST, Model, Span};
-use alloc::collections::{BTreeMap, BTreeSet};
+use crate::diag::Diags;
+use crate::{Entry, Model};
+use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::rc::Rc;
 use alloc::string::String;
@@ -16,44 +14,6 @@ use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::kind::cloud::Unread;
 use hashbrown::HashSet;
-
-/// What a file holds, by its path from the folder of the model.
-pub(crate) type Open<'f> = &'f mut dyn FnMut(&str) -> Result<String, Unread>;
-
-/// A model whose parts are put in.
-pub(super) struct Expander<'e> {
-    pub catalog: &'e Catalog,
-    pub open: Open<'e>,
-    pub model: Model,
-    pub diags: Diags,
-    /// files that were asked for; what cannot be read has been reported
-    pub files: BTreeMap<String, Option<Rc<Home>>>,
-    /// parameters and modules at the root
-    pub root: BTreeSet<String>,
-    /// what an instance of a part makes, by file and name
-    pub sizes: BTreeMap<(String, String), Size>,
-    /// there are too many of them
-    pub over: bool,
-    /// the parts that are being put in, each in the one before: file and name
-    pub within: Vec<(String, String)>,
-}
-
-/// A line that makes modules.
-pub(super) enum Line<'m> {
-    Module(&'m Item),
-    Use(&'m Use),
-}
-
-/// Modules and uses in the order of the text.
-pub(super) fn lines<'m>(items: &'m [Item], uses: &'m [Use]) -> Vec<Line<'m>> {
-    let place = |l: &Line| match l {
-        Line::Module(i) => i.name_span.start,
-        Line::Use(u) => u.span.start,
-    };
-    let mut all: Vec<Line> = items.iter().map(Line::Module).chain(uses.iter().map(Line::Use)).collect();
-    all.sort_by_key(place);
-    all
-}
 
 /// Puts the parts in that `[use]` names. Nothing is done to a model without that section.
 pub(crate) fn expand(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>) {
@@ -131,51 +91,4 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
         }
     }
     (*model, *diags) = (e.model, e.diags);
-}
-
-impl Expander<'_> {
-    /// Adds modules as they are called in `scope`; `groups` are the numbers of their groups in the model, where these are not
-    /// what they say.
-    pub fn lines(&mut self, items: &[Item], uses: &[Use], groups: Option<&[usize]>, home: &Rc<Home>, scope: &Scope) {
-        for line in lines(items, uses) {
-            if self.is_over() {
-                return;
-            }
-            match line {
-                Line::Use(u) => self.place(u, home, scope),
-                Line::Module(i) if self.model.items.len() >= LARGEST => {
-                    return self.too_many(i.name_span);
-                }
-                Line::Module(i) => {
-                    let Some(groups) = groups else {
-                        self.model.items.push(i.clone());
-                        continue;
-                    };
-                    let kind = self.catalog.get(&i.kind);
-                    let args = i.args.iter().map(|e| of_part(scope.entry(e, kind), kind, home)).collect();
-                    let name = format!("{}{}", scope.prefix, i.name);
-                    for e in &i.args {
-                        self.of_file(e, kind, &name, home, scope);
-                    }
-                    // the first is that of the instance
-                    let group = groups.get(i.group.map_or(0, |g| g + 1)).copied();
-                    self.model.items.push(Item { name, group, args, ..i.clone() });
-                }
-            }
-        }
-    }
-
-    /// Whether nothing more is put in.
-    pub fn is_over(&self) -> bool {
-        self.over || self.diags.is_full()
-    }
-
-    pub fn too_many(&mut self, at: Span) {
-        self.over = true;
-        if !self.diags.list.iter().any(|d| d.code == "E027") {
-            let d =
-                Diag::error("E027", format!("more than {LARGEST} modules, with those of parts")).at(at, "from here on");
-            self.diags.push(d.help("a model holds no more, and a real-time one some thousands"));
-        }
-    }
 }

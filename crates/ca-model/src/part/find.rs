@@ -3,34 +3,19 @@
 //! Decides that the reader opens no file itself: whoever reads a model says what the files hold, as the files of a take are
 //! in the take. Paths stay below the folder of the model, so that a model can be handed on with it.
 
+use super::expander::{Expander, Home};
 use super::files::SourceFile;
 use super::read::first;
 use super::shift::{next_file, shift_diags, shift_model};
 use super::{Part, Use, library};
 use crate::diag::Diag;
-use crate::part::expand::Expander;
-use crate::read::one_file;
+use crate::file::one_file;
 use crate::suggest::nearest;
 use crate::{Entry, Model, Span, Value};
 use alloc::format;
 use alloc::rc::Rc;
 use alloc::string::String;
 use alloc::vec::Vec;
-
-/// A file whose parts may be used.
-pub(super) struct Home {
-    /// its path from the folder of the model; of the model itself there is none
-    pub file: String,
-    /// its parts, and for another file its modules too
-    pub model: Model,
-}
-
-impl Home {
-    /// The folder of its file, with a slash.
-    pub fn folder(&self) -> &str {
-        self.file.rfind('/').map_or("", |i| &self.file[..=i])
-    }
-}
 
 impl Expander<'_> {
     /// The part, and where it stands; `None` is reported.

@@ -1,14 +1,17 @@
 //! Instance: one use of a part: its parameters get their values, its names the name of the instance.
+//!
+//! Decides that the lines of a model and of a part go in by the same steps, which stand here too: a line of a part may use
+//! another one, and so on.
 
-use super::expand::Expander;
-use super::find::{Home, below};
+use super::expander::{Expander, Home};
+use super::find::below;
 use super::read::first;
 use super::scope::{Arg, Scope, is_number};
 use super::{Part, Use};
 use crate::diag::Diag;
 use crate::quantity::Plain;
 use crate::suggest::nearest;
-use crate::{Entry, Group, LARGEST, Value};
+use crate::{Entry, Group, Item, LARGEST, Value};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::rc::Rc;
@@ -19,7 +22,55 @@ use ca_core::kind::{Kind, Type};
 /// A part within a part, and so on, no deeper than this.
 const DEEP: usize = 16;
 
+/// A line that makes modules.
+enum Line<'m> {
+    Module(&'m Item),
+    Use(&'m Use),
+}
+
+/// Modules and uses in the order of the text.
+fn lines<'m>(items: &'m [Item], uses: &'m [Use]) -> Vec<Line<'m>> {
+    let place = |l: &Line| match l {
+        Line::Module(i) => i.name_span.start,
+        Line::Use(u) => u.span.start,
+    };
+    let mut all: Vec<Line> = items.iter().map(Line::Module).chain(uses.iter().map(Line::Use)).collect();
+    all.sort_by_key(place);
+    all
+}
+
 impl Expander<'_> {
+    /// Adds modules as they are called in `scope`; `groups` are the numbers of their groups in the model, where these are not
+    /// what they say.
+    pub fn lines(&mut self, items: &[Item], uses: &[Use], groups: Option<&[usize]>, home: &Rc<Home>, scope: &Scope) {
+        for line in lines(items, uses) {
+            if self.is_over() {
+                return;
+            }
+            match line {
+                Line::Use(u) => self.place(u, home, scope),
+                Line::Module(i) if self.model.items.len() >= LARGEST => {
+                    return self.too_many(i.name_span);
+                }
+                Line::Module(i) => {
+                    let Some(groups) = groups else {
+                        self.model.items.push(i.clone());
+                        continue;
+                    };
+                    let kind = self.catalog.get(&i.kind);
+                    let args = i.args.iter().map(|e| of_part(scope.entry(e, kind), kind, home)).collect();
+                    let name = format!("{}{}", scope.prefix, i.name);
+                    for e in &i.args {
+                        self.of_file(e, kind, &name, home, scope);
+                    }
+                    // the first is that of the instance
+                    let group = groups.get(i.group.map_or(0, |g| g + 1)).copied();
+                    self.model.items.push(Item { name, group, args, ..i.clone() });
+                }
+            }
+        }
+    }
+
     /// Puts in what a line of `[use]` says, in `outer`.
     pub fn place(&mut self, u: &Use, home: &Rc<Home>, outer: &Scope) {
         let name = format!("{}{}", outer.prefix, u.name);
@@ -255,7 +306,7 @@ impl Expander<'_> {
 }
 
 /// A file that a part names is looked for beside the file of the part.
-pub(super) fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) -> Entry {
+fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) -> Entry {
     let file = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty)).is_some_and(|t| matches!(t, Type::File));
     if let (true, Value::Text(name)) = (file && !home.folder().is_empty(), &e.value) {
         if let Some(path) = below(home.folder(), name) {

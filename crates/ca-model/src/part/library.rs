@@ -5,7 +5,7 @@
 //! replayed with it, whatever a later version of the program ships. The colon keeps the names of files on disk apart.
 
 use super::Part;
-use crate::read::one_file;
+use crate::file::one_file;
 use alloc::format;
 use alloc::string::String;
 use ca_core::Catalog;

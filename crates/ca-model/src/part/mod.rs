@@ -11,6 +11,8 @@ mod beside;
 #[cfg(feature = "parse")]
 mod expand;
 #[cfg(feature = "parse")]
+mod expander;
+#[cfg(feature = "parse")]
 mod fan;
 pub mod files;
 #[cfg(feature = "parse")]

@@ -3,8 +3,7 @@
 use super::{Part, Use};
 use crate::diag::Diag;
 use crate::entry::{Key, Val, article, ordered};
-use crate::read::unique;
-use crate::reader::{Reader, ticked};
+use crate::reader::{Reader, ticked, unique};
 use crate::sections::{GROUP, IN_PART, SECTIONS, USE};
 use crate::{Entry, Span, Value};
 use alloc::format;

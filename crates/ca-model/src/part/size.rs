@@ -3,15 +3,11 @@
 //! Decides for a lower bound from the text alone: what stands in another file, and a part whose number of instances is a
 //! parameter, count once. A bound that is too large is a refusal at once; what it misses is stopped while it is put in.
 
-use super::expand::Expander;
-use super::find::Home;
+use super::expander::{Expander, Home, Size};
 use super::{Part, Use};
 use crate::diag::Diag;
 use crate::{LARGEST, Value};
 use alloc::format;
-
-/// Modules, instances.
-pub(super) type Size = [usize; 2];
 
 impl Expander<'_> {
     /// Whether `n` instances of `part` have room in the model; where they have none, that is reported.
