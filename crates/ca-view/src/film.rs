@@ -4,7 +4,8 @@
 //! before, low bytes and high bytes apart, which a general compressor makes small: no codec of our own. What would be too
 //! much has fewer pictures a second first, and then fewer masses.
 
-use crate::Drawing;
+use crate::drawing::Drawing;
+use crate::graph::Source;
 use ca_core::Scene;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
@@ -46,7 +47,7 @@ impl Film {
         }
         let rate = fits(numbers).clamp(1.0, MOST);
         let space = drawing.source.iter().flat_map(|s| {
-            let n = if matches!(s, crate::graph::Source::Space(_)) { 3 } else { 1 };
+            let n = if matches!(s, Source::Space(_)) { 3 } else { 1 };
             std::iter::repeat_n(n == 3, n)
         });
         let space = space.collect();

@@ -4,8 +4,8 @@
 //! (a bridge), fixed points last, since they stand where all that they hold is. What rests apart from its neighbour along the
 //! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
 
+use crate::frame::{Frame, Places, Stand};
 use crate::graph::Graph;
-use crate::place::{Frame, Places, Stand, tie_one};
 use std::collections::{BTreeSet, HashMap};
 
 /// Masses that at least so many hang on, by more than a contact, are placed late.
@@ -39,7 +39,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
     // what is tied to space stands there
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
     for n in tied {
-        if let Some(mut stand) = tie_one(graph, p, n) {
+        if let Some(mut stand) = p.tie_one(graph, n) {
             taken.aside(&p.frames, &mut stand);
             p.stand[n as usize] = Some(stand);
         }
