@@ -5,7 +5,8 @@
 //! what comes with us: style, script and uPlot.
 
 use crate::plot::Plot;
-use crate::{Block, Picture, Report, Section, Sound, Table, Weight};
+use crate::report::{Block, Picture, Report, Section, Table, Weight};
+use crate::sound::Sound;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -45,8 +46,15 @@ fn words(text: &str) -> Markup {
     }
 }
 
+impl Report {
+    /// The page.
+    pub fn html(&self) -> String {
+        page(self)
+    }
+}
+
 /// The page. Plots are numbered as they come.
-pub(crate) fn page(report: &Report) -> String {
+fn page(report: &Report) -> String {
     let mut plots: Vec<Json> = Vec::new();
     let sections: Vec<Markup> = report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
     let film = report.picture.as_ref().map(|p| {
@@ -225,7 +233,7 @@ fn rows(table: &Table) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Axis, Curve, Grid, Mark};
+    use crate::plot::{Axis, Curve, Grid, Mark};
 
     /// Words that end an element, an attribute or a text, wherever a model can put words.
     #[test]
