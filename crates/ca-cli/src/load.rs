@@ -1,7 +1,8 @@
 //! From what was typed to a model and a scene.
 
 use crate::args::Source;
-use crate::{Failure, term};
+use crate::outcome::Failure;
+use crate::term;
 use ca_compile::{Compiled, Options};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, warnings,

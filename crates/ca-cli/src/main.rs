@@ -1,90 +1,23 @@
 //! The command `ca`: models in text to sound, findings and pages.
 //!
 //! Decides what every command shares: exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded), where things are
-//! printed (results on stdout, everything about them on stderr), and that a reader who goes away is no failure. A command is one file of `commands/` with one function `run`.
+//! printed (results on stdout, everything about them on stderr), and that a reader who goes away is no failure. A command is
+//! one file of `commands/` with one function `run`, which gives back an [`outcome`].
 #![forbid(unsafe_code)]
 
 mod args;
 mod commands;
 mod load;
+mod outcome;
 mod page;
 mod store;
 mod term;
 mod watch;
 
 use args::{Cli, Command};
-use ca_haptic::host::{HostError, HostErrorKind};
-pub use ca_lab::catalog;
 use clap::FromArgMatches as _;
+use outcome::{Ended, Failure};
 use std::process::ExitCode;
-
-/// How a command ended where it did not fail.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// as asked
-    Well,
-    /// something was made, but not what was meant: unstable, clipped, inputs refused
-    Degraded,
-}
-
-/// Why a command failed. What is said ends up on stderr.
-#[derive(Debug)]
-pub enum Failure {
-    /// the request makes no sense: exit code 2
-    Usage(String),
-    /// the request could not be done: exit code 1
-    Failed(String),
-    /// as before, but all is already said: exit code 1
-    Reported,
-    /// somebody pressed Ctrl-C: exit code 130, as of any command that ends so
-    Interrupted,
-    /// the reader of stdout went away
-    BrokenPipe,
-}
-
-impl From<std::io::Error> for Failure {
-    fn from(e: std::io::Error) -> Failure {
-        match e.kind() {
-            std::io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
-            _ => Failure::Failed(format!("stdout cannot be written: {e}")),
-        }
-    }
-}
-
-impl From<ca_io::FileError> for Failure {
-    fn from(e: ca_io::FileError) -> Failure {
-        match e.kind {
-            ca_io::FileErrorKind::Usage | ca_io::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
-            _ => Failure::Failed(e.to_string()),
-        }
-    }
-}
-
-impl From<ca_lab::Failure> for Failure {
-    fn from(e: ca_lab::Failure) -> Failure {
-        match e {
-            ca_lab::Failure::Usage(what) => Failure::Usage(what),
-            ca_lab::Failure::Failed(what) => Failure::Failed(what),
-            ca_lab::Failure::Stopped => Failure::Interrupted,
-            ca_lab::Failure::Found(found) => {
-                term::findings(&found.diags, &found.model);
-                Failure::Reported
-            }
-        }
-    }
-}
-
-impl From<HostError> for Failure {
-    fn from(e: HostError) -> Failure {
-        match e.kind {
-            HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
-            _ => Failure::Failed(e.to_string()),
-        }
-    }
-}
-
-/// What every command gives back.
-pub type Outcome = Result<Ended, Failure>;
 
 fn main() -> ExitCode {
     let read = args::command().try_get_matches().and_then(|m| {

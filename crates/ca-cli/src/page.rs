@@ -1,7 +1,7 @@
 //! Pages of HTML: refused before the work is done where their name says otherwise, and written at its end.
 
-use crate::Failure;
 use crate::load::has_extension;
+use crate::outcome::Failure;
 use std::path::Path;
 
 /// Refuses to write a page to a file that is not called `.html`.

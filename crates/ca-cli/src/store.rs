@@ -3,7 +3,8 @@
 //! Decides that a word that names a file is that file; else a profile of the user's, else one that comes with us; and
 //! that a calibration is found by the name of its device, because it belongs to hardware and not to a model.
 
-use crate::{Failure, load, term};
+use crate::outcome::Failure;
+use crate::{load, term};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::profile::{Profile, SHIPPED};
 use ca_model::suggest::nearest;

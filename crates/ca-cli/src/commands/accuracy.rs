@@ -2,7 +2,8 @@
 
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, page, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::{page, term};
 use ca_lab::accuracy::{self, AccuracyOptions, Measured, MethodRow, Origin};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};

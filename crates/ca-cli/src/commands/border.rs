@@ -4,8 +4,9 @@
 //! and the buffers of a sound card come on top.
 
 use crate::args::Source;
+use crate::outcome::Failure;
+use crate::term;
 use crate::term::short;
-use crate::{Failure, term};
 use ca_core::Scene;
 use ca_core::border::{Delays, delays};
 use ca_core::equivalence::Scale;

@@ -1,7 +1,7 @@
 //! `ca set`, `ca arm`, `ca disarm`, `ca status`, `ca stop`: what is said to a running `ca serve`.
 
 use crate::args::{ArmArgs, SetArgs, StatusArgs};
-use crate::{Ended, Failure, Outcome};
+use crate::outcome::{Ended, Failure, Outcome};
 use ca_haptic::host::Site;
 use ca_haptic::host::control::{Given, Reply, Request, ask};
 use std::io::Write as _;

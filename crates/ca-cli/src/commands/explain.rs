@@ -3,7 +3,7 @@
 //! Decides nothing of what is said: titles and pages come from `ca-model`, where the codes are.
 
 use crate::args::ExplainArgs;
-use crate::{Ended, Failure, Outcome};
+use crate::outcome::{Ended, Failure, Outcome};
 use ca_model::diag::{CODES, Severity};
 use ca_model::explain::{page, severity};
 use ca_model::suggest::nearest;

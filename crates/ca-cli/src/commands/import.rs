@@ -4,7 +4,8 @@
 
 use crate::args::ImportArgs;
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_compile::Options;
 use ca_core::scene::certificate::Level;
 use ca_model::{Model, write};

@@ -4,7 +4,8 @@
 //! something lost is exit code 3: the command did what was asked, and the take is less than the performance was.
 
 use crate::args::{LogArgs, LogCommand};
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_haptic::take::{End, Summary, Take, export, recover};
 use ca_model::plain::plain;
 use serde_json::json;

@@ -6,10 +6,12 @@
 use super::border;
 use crate::args::ModesArgs;
 use crate::load;
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_io::atomic_file::AtomicFile;
+use ca_lab::catalog;
 use ca_model::quantity::Plain;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;

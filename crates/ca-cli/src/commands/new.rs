@@ -5,8 +5,9 @@
 
 use crate::args::NewArgs;
 use crate::load::{self, BUNDLED};
-use crate::{Ended, Failure, Outcome, catalog};
+use crate::outcome::{Ended, Failure, Outcome};
 use ca_io::{atomic_file, reading};
+use ca_lab::catalog;
 use ca_model::schema;
 use ca_model::suggest::nearest;
 use std::io::Write as _;

@@ -5,7 +5,8 @@
 //! reads any more, and for looking.
 
 use crate::args::{ShmArgs, ShmWhat};
-use crate::{Ended, Outcome, term};
+use crate::outcome::{Ended, Outcome};
+use crate::term;
 use ca_haptic::host::Site;
 use ca_haptic::host::stale_shm::{self, Group};
 use serde_json::{Value, json};

@@ -5,7 +5,8 @@
 
 use crate::args::SweepArgs;
 use crate::commands::render::{listen, stopped};
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_lab::sweep::folder::Folder;
 use ca_lab::sweep::plan::{self, Plan};
 use serde_json::json;

@@ -6,7 +6,8 @@
 mod page;
 
 use crate::args::BenchArgs;
-use crate::{Ended, Failure, Outcome, page as pages, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::{page as pages, term};
 use ca_lab::bench::{self, Fits, Instrument, NETWORKS, Network, PAPER, RATES, SIZES, Size};
 use ca_model::suggest::nearest;
 use serde_json::{Value as Json, json};

@@ -10,9 +10,9 @@
 //! model plays by itself (`[gesture]`), and where its keys rest, is what a hand would have to reach: beyond the travel of
 //! the device it cannot be played, so that is too much as well.
 
-use crate::Failure;
 use crate::commands::border::quantity;
 use crate::load::ticked;
+use crate::outcome::Failure;
 use crate::term::short;
 use ca_core::border::{Delays, delays};
 use ca_core::equivalence::Gains;

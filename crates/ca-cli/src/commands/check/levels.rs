@@ -1,8 +1,9 @@
 //! How loud each output is when the model plays by itself, and which gain would make it as loud as a sound should be.
 
 use super::super::render::{decibel, level, play};
+use crate::outcome::Failure;
+use crate::term;
 use crate::term::short;
-use crate::{Failure, term};
 use ca_core::Scene;
 use ca_io::perform::Performance;
 use serde_json::{Value as Json, json};

@@ -6,7 +6,7 @@
 //! grows; the fastest batch counts, which is the one that nobody disturbed. What this leaves out is that passes warm
 //! the caches for each other, so the whole tick is measured too and the sum may differ from it.
 
-use crate::Failure;
+use crate::outcome::Failure;
 use crate::term::short;
 use ca_compile::cost;
 use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};

@@ -6,8 +6,9 @@
 //! the hand holds it still; one that moves is asked for again. Axes that somebody skips keep the calibration they had.
 
 use crate::args::CalibrateArgs;
+use crate::outcome::{Ended, Failure, Outcome};
 use crate::term::short;
-use crate::{Ended, Failure, Outcome, load, store, term};
+use crate::{load, store, term};
 use ca_haptic::calibration::{Axis, Calibration};
 use ca_haptic::frame::{DOF, DeviceFrame, text};
 use ca_haptic::host::gateway::list_devices;

@@ -5,7 +5,8 @@
 //! comes with one thing to do. Only shared memory that does not work is a failure: everything else costs punctuality.
 
 use super::about;
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_haptic::frame::{DeviceFrame, ForceFrame};
 use ca_haptic::host::control::{Request, ask};
 use ca_haptic::host::gateway::list_devices;

@@ -1,7 +1,8 @@
 //! `ca device list`: who speaks at this place, and what can be named with `--profile`.
 
+use crate::outcome::{Ended, Failure, Outcome};
 use crate::term::short;
-use crate::{Ended, Failure, Outcome, load, store};
+use crate::{load, store};
 use ca_haptic::frame::{About, text};
 use ca_haptic::host::Site;
 use ca_haptic::host::gateway::list_devices;

@@ -6,8 +6,8 @@ mod doctor;
 mod list;
 mod sim;
 
-use crate::Outcome;
 use crate::args::{DeviceArgs, DeviceCommand};
+use crate::outcome::Outcome;
 use ca_haptic::frame::{About, DOF};
 use ca_haptic::profile::Profile;
 

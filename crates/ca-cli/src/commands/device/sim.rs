@@ -7,8 +7,9 @@
 
 use super::about;
 use crate::args::{ScriptKind, SimArgs};
+use crate::outcome::{Ended, Failure, Outcome};
 use crate::term::short;
-use crate::{Ended, Failure, Outcome, store, term};
+use crate::{store, term};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};
 use ca_haptic::profile::Profile;

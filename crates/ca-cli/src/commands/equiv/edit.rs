@@ -4,8 +4,8 @@
 //! the model anew: a file is its author's. Whatever is written determines the table by itself: where one row is asked
 //! for, the row that holds the anchor is written beside it, unless the anchor is what it would be without the section.
 
-use crate::Failure;
 use crate::args::EquivArgs;
+use crate::outcome::Failure;
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, anchor_for, row};
 use ca_model::Model;
 use ca_model::quantity::{self, show};

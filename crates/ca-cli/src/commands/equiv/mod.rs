@@ -9,7 +9,8 @@ mod table;
 
 use crate::args::{EquivArgs, Source};
 use crate::load;
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_compile::Options;
 use ca_io::atomic_file;
 use ca_model::write;

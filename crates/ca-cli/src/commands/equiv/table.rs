@@ -1,8 +1,8 @@
 //! The table of equivalences, for people and for programs.
 
-use crate::Failure;
 use crate::commands::border::scale_of;
 use crate::load::Loaded;
+use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, Scale};
 use ca_core::kind::Unit;

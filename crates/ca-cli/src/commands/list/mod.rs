@@ -7,9 +7,10 @@ mod parts;
 
 use crate::args::ListArgs;
 use crate::load::{self, BUNDLED};
-use crate::{Ended, Failure, Outcome, catalog};
+use crate::outcome::{Ended, Failure, Outcome};
 use ca_core::Catalog;
 use ca_core::kind::{Kind, Role};
+use ca_lab::catalog;
 use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Value};

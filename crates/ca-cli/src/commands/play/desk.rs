@@ -9,7 +9,7 @@ use super::greeting::greeting;
 use super::keep::Keep;
 use super::sink::{Coming, PageSink, Stats};
 use crate::args::PlayArgs;
-use crate::commands::serve::{Inputs, answer};
+use crate::commands::serve::{self, Inputs, answer};
 use ca_core::Scene;
 use ca_haptic::engine::{GLIDE, Setup};
 use ca_haptic::host::control::Request;
@@ -17,6 +17,7 @@ use ca_haptic::serve::{Recorder, Shared};
 use ca_play::{Page, PageRequest};
 use ca_view::Drawing;
 use serde_json::{Map, Value, json};
+use std::any::Any;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
@@ -74,80 +75,6 @@ impl Desk {
             next: None,
             news: Instant::now(),
         }
-    }
-
-    /// Where the page is.
-    pub(crate) fn address(&self) -> String {
-        self.page.address()
-    }
-
-    /// Something else plays the sound.
-    pub(crate) fn sounds_by(&mut self, host: &str) {
-        self.sound = host.into();
-    }
-
-    /// A number of the model is to be another, as by `--set`.
-    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
-        self.edit.change(name, value)
-    }
-
-    /// The page is gone; what it keeps.
-    pub(crate) fn close(self) -> Keep {
-        self.keep
-    }
-
-    /// One turn: what was asked, one request at least and no more after `end`, and now and then how it goes; no new version of the
-    /// model where `setups` is none. True where somebody asked to stop.
-    pub(crate) fn turn(
-        &mut self,
-        recorder: &mut Recorder,
-        inputs: &mut Inputs,
-        setups: Option<&[Setup]>,
-        (shared, end): (&Shared, Instant),
-    ) -> bool {
-        let mut leave = false;
-        self.keep.turn(recorder);
-        if recorder.is_swapping() {
-            return leave;
-        }
-        if let Some(setups) = setups {
-            self.version(recorder, inputs, setups);
-        }
-        if recorder.is_swapping() {
-            return leave;
-        }
-        let mut late = false;
-        while !late {
-            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
-            late = Instant::now() >= end;
-            let Some(request) = request else {
-                if self.holder == Some(client) {
-                    self.holder = None;
-                    if let Err(why) = recorder.release() {
-                        self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
-                    }
-                }
-                continue;
-            };
-            let (ok, text, mut fields) = match self.answer(recorder, inputs, client, &request, &mut leave) {
-                Ok((text, fields)) => (true, text, fields),
-                Err(why) => (false, why, Map::new()),
-            };
-            // of what nobody numbered only a refusal is worth a word
-            if request.get("id").is_some() || !ok {
-                fields.insert("type".into(), json!("reply"));
-                fields.insert("id".into(), request["id"].clone());
-                fields.insert("ok".into(), json!(ok));
-                fields.insert("text".into(), json!(text));
-                self.page.tell(client, &Value::Object(fields));
-            }
-        }
-        let now = Instant::now();
-        if now >= self.news && self.page.clients() > 0 {
-            self.news = now + NEWS;
-            self.page.tell_all(&self.state(recorder, inputs, shared));
-        }
-        leave
     }
 
     /// Takes up a version of the model that the engine plays now, and hands on one that was made.
@@ -306,6 +233,77 @@ impl Desk {
             "keeps": self.keep.keeps(),
             "recording": self.keep.recording().map(|p| p.display().to_string()),
         })
+    }
+}
+
+impl serve::Desk for Desk {
+    fn address(&self) -> String {
+        self.page.address()
+    }
+
+    fn sounds_by(&mut self, host: &str) {
+        self.sound = host.into();
+    }
+
+    fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        self.edit.change(name, value)
+    }
+
+    /// The page is gone; what it keeps is not.
+    fn close(self: Box<Self>) -> Box<dyn Any> {
+        Box::new(self.keep)
+    }
+
+    fn turn(
+        &mut self,
+        recorder: &mut Recorder,
+        inputs: &mut Inputs,
+        setups: Option<&[Setup]>,
+        (shared, end): (&Shared, Instant),
+    ) -> bool {
+        let mut leave = false;
+        self.keep.turn(recorder);
+        if recorder.is_swapping() {
+            return leave;
+        }
+        if let Some(setups) = setups {
+            self.version(recorder, inputs, setups);
+        }
+        if recorder.is_swapping() {
+            return leave;
+        }
+        let mut late = false;
+        while !late {
+            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
+            late = Instant::now() >= end;
+            let Some(request) = request else {
+                if self.holder == Some(client) {
+                    self.holder = None;
+                    if let Err(why) = recorder.release() {
+                        self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
+                    }
+                }
+                continue;
+            };
+            let (ok, text, mut fields) = match self.answer(recorder, inputs, client, &request, &mut leave) {
+                Ok((text, fields)) => (true, text, fields),
+                Err(why) => (false, why, Map::new()),
+            };
+            // of what nobody numbered only a refusal is worth a word
+            if request.get("id").is_some() || !ok {
+                fields.insert("type".into(), json!("reply"));
+                fields.insert("id".into(), request["id"].clone());
+                fields.insert("ok".into(), json!(ok));
+                fields.insert("text".into(), json!(text));
+                self.page.tell(client, &Value::Object(fields));
+            }
+        }
+        let now = Instant::now();
+        if now >= self.news && self.page.clients() > 0 {
+            self.news = now + NEWS;
+            self.page.tell_all(&self.state(recorder, inputs, shared));
+        }
+        leave
     }
 }
 

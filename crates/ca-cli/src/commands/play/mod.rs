@@ -12,16 +12,16 @@ mod keep;
 mod sink;
 
 use crate::args::PlayArgs;
-use crate::commands::serve;
-use crate::{Failure, Outcome, term};
-use ca_compile::Options;
-use ca_core::Scene;
+use crate::commands::serve::{self, Frontend, Opening};
+use crate::outcome::{Failure, Outcome};
+use crate::term;
+use ca_haptic::serve::Sink;
 use ca_play::Page;
 use ca_view::Drawing;
-pub(super) use desk::Desk;
+use desk::Desk;
 use edit::Edit;
-pub(super) use keep::{Keep, Kept, TapeSink};
-pub(super) use sink::PageSink;
+use keep::{Keep, Kept, TapeSink};
+use sink::PageSink;
 use std::sync::Arc;
 
 /// Where a page is served where nobody says.
@@ -32,34 +32,50 @@ pub fn run(args: &PlayArgs) -> Outcome {
     serve::session(&args.serve, Some(args))
 }
 
-/// Serves the page of a scene.
-pub(super) fn open(
-    args: &PlayArgs,
-    name: &str,
-    scene: &Arc<Scene>,
-    options: &Options,
-    keep: Keep,
-) -> Result<(Desk, PageSink), Failure> {
-    let drawing = Arc::new(Drawing::new(scene));
-    let greeting = greeting::greeting(scene, &drawing, name, 1);
-    let page = |port| Page::open(port, &greeting, args.framed);
-    let page = match args.port {
-        Some(port) => page(port)
-            .map_err(|e| Failure::Failed(format!("no page at port {port}: {e}; leave out --port for a free one")))?,
-        None => page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("no page: {e}")))?,
-    };
-    let sink = PageSink::new(page.feed(), drawing.clone(), scene);
-    let edit = Edit::new(&args.serve, options);
-    Ok((Desk::new(page, name, drawing, scene.clone(), &sink, args, (edit, keep)), sink))
-}
+impl Frontend for PlayArgs {
+    fn whole(&self) -> bool {
+        !self.lean
+    }
 
-/// Says where the page is, and opens it: once nothing can be refused any more.
-pub(super) fn announce(address: &str, args: &PlayArgs) {
-    // whatever else is quiet: without it nobody can play
-    eprintln!("play it at {address}");
-    if !args.no_open && has_screen() {
-        if let Err(e) = open::that_detached(address) {
-            term::note(&format!("no browser opens ({e}); open the address in one"));
+    fn open(&self, opening: Opening<'_>, sinks: &mut Vec<Box<dyn Sink>>) -> Result<Box<dyn serve::Desk>, Failure> {
+        let Opening { name, scene, options, header } = opening;
+        let mut kept = None;
+        if let Some(header) = header {
+            match Kept::begin(&header, scene) {
+                Ok((begun, line)) => {
+                    sinks.push(Box::new(line));
+                    kept = Some(begun);
+                }
+                Err(e) => term::warning(&format!("what is played cannot be saved as a take afterwards: {e}")),
+            }
+        }
+        let tape = TapeSink::default();
+        sinks.push(Box::new(tape.clone()));
+        let keep = Keep::new(name, kept, tape);
+        let drawing = Arc::new(Drawing::new(scene));
+        let greeting = greeting::greeting(scene, &drawing, name, 1);
+        let page = |port| Page::open(port, &greeting, self.framed);
+        let page = match self.port {
+            Some(port) => page(port).map_err(|e| {
+                Failure::Failed(format!("no page at port {port}: {e}; leave out --port for a free one"))
+            })?,
+            None => page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("no page: {e}")))?,
+        };
+        let sink = PageSink::new(page.feed(), drawing.clone(), scene);
+        let edit = Edit::new(&self.serve, options);
+        let desk = Desk::new(page, name, drawing, scene.clone(), &sink, self, (edit, keep));
+        sinks.push(Box::new(sink));
+        Ok(Box::new(desk))
+    }
+
+    /// Opens it too.
+    fn announce(&self, address: &str) {
+        // whatever else is quiet: without it nobody can play
+        eprintln!("play it at {address}");
+        if !self.no_open && has_screen() {
+            if let Err(e) = open::that_detached(address) {
+                term::note(&format!("no browser opens ({e}); open the address in one"));
+            }
         }
     }
 }

@@ -17,7 +17,8 @@ pub(crate) use summary::{
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_compile::{KernelClass, Options};
 use ca_core::Scene;
 use ca_core::scene::Halves;
@@ -26,6 +27,7 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
+use ca_lab::catalog;
 use ca_lab::gesture;
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,8 @@
 //! The loop that plays.
 
 use super::slow::Slow;
-use crate::{Failure, term};
+use crate::outcome::Failure;
+use crate::term;
 use ca_core::scene::Halves;
 use ca_io::ending::{Ended, RenderOut};
 use ca_io::gesture::Gesture;

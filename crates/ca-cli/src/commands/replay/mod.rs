@@ -7,11 +7,13 @@ mod account;
 
 use crate::args::ReplayArgs;
 use crate::load::has_extension;
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use account::Account;
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
+use ca_lab::catalog;
 use ca_model::plain::plain;
 use serde_json::json;
 use std::io::Write as _;

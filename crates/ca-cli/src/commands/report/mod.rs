@@ -12,7 +12,8 @@ mod take;
 
 use crate::args::ReportArgs;
 use crate::load::has_extension;
-use crate::{Ended, Failure, Outcome, page, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::{page, term};
 use ca_report::{Report, Weight};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

@@ -2,10 +2,10 @@
 
 use super::parts::{self, Facts, finished};
 use super::played::EnergyOverTime;
-use crate::Failure;
 use crate::args::ReportArgs;
 use crate::commands::render::{self, Divergence};
 use crate::load::{self, Loaded};
+use crate::outcome::Failure;
 use crate::term::{self, short};
 use ca_compile::Options;
 use ca_core::Scene;

@@ -3,7 +3,6 @@
 //! Decides that frequencies of modes are marked in the spectrum as they are heard, and only those that an output hears:
 //! a mark where nothing can be tells less than none. The table has them all the same.
 
-use crate::catalog;
 use crate::commands::border;
 use crate::commands::check::codes;
 use crate::commands::render::{decibel, fitting, level, rippling, stability as verdict, tenths, too_loud};
@@ -13,6 +12,7 @@ use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
+use ca_lab::catalog;
 use ca_model::Model;
 use ca_model::diag::Severity;
 use ca_model::quantity::Plain;

@@ -7,16 +7,17 @@
 
 mod answer;
 mod audio;
+mod frontend;
 mod inputs;
 mod setup;
 mod summary;
 mod talk;
 mod wav;
 
-use super::play;
-use crate::args::{ClockKind, PlayArgs, ServeArgs};
+use crate::args::{ClockKind, ServeArgs};
 use crate::load;
-use crate::{Ended, Failure, Outcome, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 pub(super) use answer::{answer, param};
 use ca_compile::Options;
 use ca_haptic::engine::Engine;
@@ -28,6 +29,7 @@ use ca_haptic::serve::{
 use ca_haptic::take::{Header, TakeWriter};
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut};
+pub(crate) use frontend::{Desk, Frontend, Opening};
 pub(crate) use inputs::Inputs;
 pub(crate) use setup::devices;
 use std::path::PathBuf;
@@ -59,14 +61,14 @@ pub fn run(args: &ServeArgs) -> Outcome {
     session(args, None)
 }
 
-/// Plays in real time; in a page where that is asked.
-pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
+/// Plays in real time; in a page where there is one.
+pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome {
     let loaded = load::load(&args.source)?;
     let options = Options {
         rate: args.source.rate,
         energy: args.energy,
         clouds: loaded.clouds.clone(),
-        whole: page.is_some_and(|p| !p.lean),
+        whole: page.is_some_and(Frontend::whole),
         ..Options::default()
     };
     let compiled = load::scene(&loaded, &options)?;
@@ -129,22 +131,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
 
     let mut desk = match page {
         Some(page) => {
-            let mut kept = None;
-            if take.is_none() && names.is_empty() {
-                match play::Kept::begin(&header(), &scene) {
-                    Ok((begun, line)) => {
-                        sinks.push(Box::new(line));
-                        kept = Some(begun);
-                    }
-                    Err(e) => term::warning(&format!("what is played cannot be saved as a take afterwards: {e}")),
-                }
-            }
-            let tape = play::TapeSink::default();
-            sinks.push(Box::new(tape.clone()));
-            let (desk, sink) =
-                play::open(page, &loaded.name, &scene, &options, play::Keep::new(&loaded.name, kept, tape))?;
-            sinks.push(Box::new(sink));
-            Some(desk)
+            let header = (take.is_none() && names.is_empty()).then(header);
+            let opening = Opening { name: &loaded.name, scene: &scene, options: &options, header };
+            Some(page.open(opening, &mut sinks)?)
         }
         None => None,
     };
@@ -196,7 +185,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
     let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
     if let Some((desk, page)) = desk.as_ref().zip(page) {
-        play::announce(&desk.address(), page);
+        page.announce(&desk.address());
     }
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
@@ -213,7 +202,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&PlayArgs>) -> Outcome {
 
     let engine = attend(thread, &mut recorder, &mut talk, &mut inputs, desk.as_mut(), playing.as_ref(), &shared);
     // what it keeps is finished once all has come
-    let keep = desk.map(play::Desk::close);
+    let keep = desk.map(Desk::close);
     if let Some(playing) = playing {
         playing.end(scene.rate);
     }
@@ -312,7 +301,7 @@ fn attend(
     recorder: &mut Recorder,
     talk: &mut talk::Talk,
     inputs: &mut Inputs,
-    mut desk: Option<&mut play::Desk>,
+    mut desk: Option<&mut Box<dyn Desk>>,
     playing: Option<&audio::Playing>,
     shared: &Arc<Shared>,
 ) -> std::thread::Result<Engine> {

@@ -1,7 +1,8 @@
 //! From a scene and what was typed to an engine with its devices.
 
 use crate::args::ServeArgs;
-use crate::{Failure, store, term};
+use crate::outcome::Failure;
+use crate::{store, term};
 use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;

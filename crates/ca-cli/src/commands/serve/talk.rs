@@ -1,7 +1,8 @@
 //! What goes through shared memory: the gateway of the devices, and the control.
 
 use super::answer::{Change, answer};
-use crate::{Failure, term};
+use crate::outcome::Failure;
+use crate::term;
 use ca_core::Scene;
 use ca_haptic::engine::Setup;
 use ca_haptic::frame::About;

@@ -3,7 +3,7 @@
 //! Decides that a number of a part which several instances share is not touched: it would tune them all.
 
 use super::Variable;
-use crate::Failure;
+use crate::outcome::Failure;
 use ca_model::part::Use;
 use ca_model::{Item, Model, Value, quantity};
 

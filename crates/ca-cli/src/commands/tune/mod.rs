@@ -9,10 +9,12 @@ mod pitch;
 
 use crate::args::{Source, TuneArgs};
 use crate::load::{self, Loaded};
-use crate::{Ended, Failure, Outcome, catalog, term};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::term;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Network, modes};
 use ca_core::scene::certificate::Level;
+use ca_lab::catalog;
 use ca_model::{Model, Value, quantity};
 use pitch::pitch;
 use serde_json::{Value as Json, json};

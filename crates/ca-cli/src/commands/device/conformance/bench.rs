@@ -1,7 +1,7 @@
 //! An engine of its own for one device: the real engine, guard and gateway, in one thread, with a scene that pulls a
 //! little at each degree of freedom.
 
-use crate::{Failure, catalog};
+use crate::outcome::Failure;
 use ca_compile::Options as Compile;
 use ca_core::Scene;
 use ca_core::live::Controls;
@@ -12,6 +12,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::host::{Event, Gateway, HostError, Site, session};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{Waits, now_ns};
+use ca_lab::catalog;
 use ca_model::read;
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -4,7 +4,7 @@
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::quiet::{late, unexpected_forces};
 use super::table::CheckTable;
-use crate::Failure;
+use crate::outcome::Failure;
 use crate::term::short;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;

@@ -11,8 +11,9 @@ mod quiet;
 mod table;
 
 use crate::args::ConformanceArgs;
+use crate::outcome::{Failure, Outcome};
 use crate::term::short;
-use crate::{Failure, Outcome, store, term};
+use crate::{store, term};
 use bench::Bench;
 use ca_haptic::host::Site;
 use ca_haptic::rt::{self, RtRequest};

@@ -3,7 +3,8 @@
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::table::CheckTable;
-use crate::{Failure, store};
+use crate::outcome::Failure;
+use crate::store;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::wait::Wait;

@@ -1,7 +1,7 @@
 //! The table of a conformance run: what was asked, whether it holds, and what was found.
 
 use crate::args::ConformanceArgs;
-use crate::{Ended, Failure, Outcome};
+use crate::outcome::{Ended, Failure, Outcome};
 use serde_json::json;
 use std::io::Write as _;
 

@@ -5,7 +5,8 @@
 //! complains of is reported by the recorder.
 
 use super::{Output as Any, Playing};
-use crate::{Failure, load};
+use crate::load;
+use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Recorder;

@@ -7,7 +7,7 @@
 
 use super::super::inputs::events::{EventReader, EventWriter, ring};
 use super::{Output as Any, Playing};
-use crate::Failure;
+use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::Recorder;

@@ -12,7 +12,8 @@ mod pulse;
 
 use super::inputs::events::EventReader;
 use crate::args::ServeArgs;
-use crate::{Failure, term};
+use crate::outcome::Failure;
+use crate::term;
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::Recorder;

@@ -3,7 +3,7 @@
 //! Decides for plain files, which need no library and no header, and for a thread each, since a device is read by waiting; how
 //! much waits for this process has a bound, so that a pipe without end takes no memory.
 
-use crate::Failure;
+use crate::outcome::Failure;
 use ca_io::live_midi::Cable;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};

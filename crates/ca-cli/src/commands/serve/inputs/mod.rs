@@ -8,8 +8,8 @@ pub(super) mod events;
 mod midi;
 mod osc;
 
-use crate::Failure;
 use crate::args::ServeArgs;
+use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::serve::Recorder;
 use ca_io::live_midi::{Cable, LiveMidi, Played};

@@ -12,8 +12,8 @@
 //! | `/state` | is answered by `/param NAME VALUE MIN MAX` for each, and `/tick N` |
 
 use super::Inputs;
-use crate::Failure;
 use crate::commands::serve::answer::value;
+use crate::outcome::Failure;
 use ca_haptic::engine::GLIDE;
 use ca_haptic::host::control::Given;
 use ca_haptic::serve::Recorder;

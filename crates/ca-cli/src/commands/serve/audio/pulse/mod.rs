@@ -9,7 +9,7 @@
 mod line;
 
 use super::{Output, Playing};
-use crate::Failure;
+use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
 use ca_haptic::serve::Recorder;
