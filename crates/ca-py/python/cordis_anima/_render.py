@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _html
 from ._results import Energy, Floats, Param, Sound, Status
 from ._view import View
-
-if TYPE_CHECKING:
-    from ._scene import Gesture, Scene
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,8 +55,8 @@ class Render:
     non_finite: int
     #: time it took [s]
     run_time: float
-    #: of what, for how long, and by which gesture
-    _played: tuple[Scene, float | None, Gesture]
+    #: plays the same once more and keeps how it moves
+    _view: Callable[[], View]
 
     @property
     def rtf(self) -> float:
@@ -75,8 +71,7 @@ class Render:
         >>> ca.load("rattle").render(0.2).view().html.startswith("<!DOCTYPE html>")
         True
         """
-        scene, seconds, gesture = self._played
-        return scene.view(seconds, gesture=gesture)
+        return self._view()
 
     def __repr__(self) -> str:
         n, c = self.audio.shape

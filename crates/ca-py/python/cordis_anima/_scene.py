@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Literal, Union
 
 import numpy as np
@@ -261,7 +262,7 @@ class Scene:
             status=status,
             message=message,
             failed=failed,
-            _played=(self, seconds, gesture),
+            _view=partial(self.view, seconds, gesture=gesture),
             peak=raw["peak"],
             clipped=raw["clipped"],
             non_finite=raw["non_finite"],
