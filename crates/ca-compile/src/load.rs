@@ -4,8 +4,8 @@
 //! run. What the compiler says then is believed only where the reader has not been: one mistake is one finding, and
 //! warnings about half a model are guesswork. A reader that stopped at its limit has said enough.
 
-use crate::Compiled;
-use crate::{Options, compile};
+use crate::compile::{Compiled, compile};
+use crate::options::Options;
 use ca_core::Catalog;
 use ca_model::diag::{Diag, Diags, Severity};
 use ca_model::{Model, Span, read};

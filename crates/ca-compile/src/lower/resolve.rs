@@ -1,13 +1,13 @@
 //! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
 //! Links wait for all names to be known (`wire.rs`).
 
-use crate::Options;
 use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::port::port;
 use crate::lower::values::Values;
 use crate::lower::{equivalence, gesture, params, rates, requirements, space};
 use crate::net::{MatNode, MatRole, NetItem, Resolved};
+use crate::options::Options;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
