@@ -2,7 +2,7 @@
 //!
 //! Decides that the extension says what a file is: `.mdl` is of MIMS, all else is a model of ours.
 
-use crate::{Error, Found};
+use crate::error::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
 use ca_core::Catalog;

@@ -3,7 +3,7 @@
 //! Decides that it is the loop of [`Performance`], as for the command and Python: the same bits everywhere. A file, a
 //! gesture or the energy ledger are for those who use [`ca_io`] themselves (`examples/render.rs`).
 
-use crate::Error;
+use crate::error::Error;
 use ca_core::Scene;
 use ca_io::perform::{self, Performance};
 use ca_io::{FileError, FileErrorKind};
