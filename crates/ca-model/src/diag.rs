@@ -5,7 +5,7 @@
 //! suggestion. Rendering with carets and as JSON lives in `render.rs` (feature `parse`); this file has no dependency,
 //! so that models built by programs get the same diagnostics without the parser.
 
-use super::Span;
+use super::model::Span;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

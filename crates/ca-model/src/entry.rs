@@ -5,8 +5,8 @@
 //! because a [`Value`] has no place for them.
 
 use super::diag::Diag;
+use super::model::{Entry, Span, Value};
 use super::reader::Reader;
-use super::{Entry, Span, Value};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -8,12 +8,12 @@
 
 use super::diag::{Diag, Diags};
 use super::entry::{Key, Val, article, ordered};
+use super::model::{Entry, Model};
 use super::reader::{Reader, is_code, ticked, unique};
 use super::sections::{CURVES, GROUP, META, RATES, SECTIONS};
 use super::select::is_word;
 use super::suggest::nearest;
 use super::syntax::{self, Source};
-use super::{Entry, Model};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -4,11 +4,11 @@
 
 use super::diag::Diag;
 use super::entry::{Key, article, ordered};
+use super::model::{Entry, Group, Item, Span};
 use super::reader::{Reader, is_code, ticked};
 use super::sections::GROUP;
 use super::select::is_group;
 use super::suggest::nearest;
-use super::{Entry, Group, Item, Span};
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::vec::Vec;

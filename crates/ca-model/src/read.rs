@@ -3,9 +3,9 @@
 //! Decides that parts are put in as a model is read, so that nobody behind the reader knows of them, and that a file is read
 //! alike whether a model or a part stands in it: that is one step below, and opens nothing.
 
-use super::Model;
 use super::diag::Diags;
 use super::file::one_file;
+use super::model::Model;
 use super::part;
 pub use super::sections::{GROUP, META, RATES, SECTIONS};
 use alloc::format;

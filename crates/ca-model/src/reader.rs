@@ -4,11 +4,11 @@
 //! of one name the first is kept.
 
 use super::diag::{Diag, Diags};
+use super::model::{Entry, Model, Span};
 use super::names::all_differ;
 use super::select::{is_name, is_word};
 use super::suggest::nearest;
 use super::syntax::Source;
-use super::{Entry, Model, Span};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;

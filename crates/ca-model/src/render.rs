@@ -6,9 +6,9 @@
 //! tests; its lines and columns start at 1, columns count characters.
 
 use super::diag::{Diag, Diags, KEPT, Severity};
+use super::model::{Model, Span};
 use super::part::files::Source;
 use super::plain::plain;
-use super::{Model, Span};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;

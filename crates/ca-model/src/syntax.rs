@@ -9,11 +9,11 @@
 //! The pass also counts brackets: after errors the parser's own guard against deep nesting can be led astray, and a
 //! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
 
-use super::Span;
 use super::blocks::{Cut, Cutter};
 use super::diag::{Diag, Diags};
+use super::model::Span;
 use super::select::{is_name, is_word};
-use crate::LARGEST;
+use crate::model::LARGEST;
 use alloc::borrow::Cow;
 use alloc::collections::BTreeSet;
 use alloc::format;

@@ -6,8 +6,8 @@
 //! same modules, regrouped. Comments are kept at the head of the file only; the rest of them is not in a [`Model`].
 //! No TOML library: this must work without the feature `parse`, and none writes a module a line.
 
+use super::model::{Entry, Item, Model, Value};
 use super::select::is_word;
-use super::{Entry, Item, Model, Value};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;

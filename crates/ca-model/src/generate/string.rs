@@ -15,7 +15,7 @@ use ca_core::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::tuning::Scheme;
 
 /// How many masses a generator may make.
-pub(super) const MANY: u32 = crate::LARGEST as u32;
+pub(super) const MANY: u32 = crate::model::LARGEST as u32;
 pub(super) const M: Param = Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of each mass");
 pub(super) const M_TOTAL: Param =
     Param::number("m_total", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of the whole, shared evenly");

@@ -4,12 +4,11 @@
 //! error; a name that only the file gives a value is one too, even where the model has a parameter called so, which the author of
 //! the part did not mean; the settings of a file that is used whole are those of the model, which is a note.
 
-use super::Use;
 use super::expander::{Expander, Home};
 use super::scope::Scope;
 use crate::diag::Diag;
+use crate::model::{Entry, Model, Span, Use, Value};
 use crate::reader::ticked;
-use crate::{Entry, Model, Span, Value};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::{Kind, Type};

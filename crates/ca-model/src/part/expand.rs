@@ -3,9 +3,8 @@
 use super::expander::{Expander, Home, Open};
 use super::fan::fan;
 use super::scope::Scope;
-use super::{Part, Use};
 use crate::diag::Diags;
-use crate::{Entry, Model};
+use crate::model::{Entry, Model, Part, Use};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::rc::Rc;

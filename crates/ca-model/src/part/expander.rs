@@ -4,7 +4,7 @@
 //! above this one.
 
 use crate::diag::{Diag, Diags};
-use crate::{LARGEST, Model, Span};
+use crate::model::{LARGEST, Model, Span};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::rc::Rc;

@@ -4,8 +4,8 @@
 
 use super::instances::{Counts, Outside};
 use crate::diag::{Diag, Diags};
+use crate::model::{Entry, Item, LARGEST, Model, Value};
 use crate::select::parse;
-use crate::{Entry, Item, LARGEST, Model, Value};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

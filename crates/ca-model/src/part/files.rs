@@ -3,19 +3,8 @@
 //! Decides that the files a model takes parts from have their places behind those of its own text, one after the other, so
 //! that a span stays two numbers and a finding may point into several files.
 
-use crate::{Model, Span};
-use alloc::string::String;
-
-/// A file that a model takes parts from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SourceFile {
-    /// as it is named, from the folder of the model
-    pub name: String,
-    /// its text
-    pub text: String,
-    /// the place of its first byte among all spans of the model
-    pub start: usize,
-}
+pub use crate::model::SourceFile;
+use crate::model::{Model, Span};
 
 /// The text a span points into.
 #[derive(Clone, Copy, Debug, PartialEq)]

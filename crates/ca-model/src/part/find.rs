@@ -5,13 +5,13 @@
 
 use super::expander::{Expander, Home};
 use super::files::SourceFile;
+use super::library;
 use super::read::first;
 use super::shift::{next_file, shift_diags, shift_model};
-use super::{Part, Use, library};
 use crate::diag::Diag;
 use crate::file::one_file;
+use crate::model::{Entry, Model, Part, Span, Use, Value};
 use crate::suggest::nearest;
-use crate::{Entry, Model, Span, Value};
 use alloc::format;
 use alloc::rc::Rc;
 use alloc::string::String;

@@ -1,6 +1,6 @@
 //! Instances: which of them a name means, as `note[*].key` does one module of each.
 
-use crate::{LARGEST, Model};
+use crate::model::{LARGEST, Model};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::{String, ToString};

@@ -34,9 +34,9 @@ mod size;
 
 #[cfg(feature = "parse")]
 use super::diag::Diags;
-use super::{Entry, Model, Span};
-use alloc::string::String;
-use alloc::vec::Vec;
+#[cfg(feature = "parse")]
+use super::model::Model;
+pub use super::model::{Part, Use};
 #[cfg(feature = "parse")]
 use ca_core::Catalog;
 #[cfg(feature = "parse")]
@@ -44,45 +44,6 @@ pub(super) use expand::expand;
 #[cfg(feature = "parse")]
 pub use expand::{add, add_shipped};
 pub use instances::instances;
-
-/// `[part.NAME]`, as written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Part {
-    /// its name
-    pub name: String,
-    /// where the name is written
-    pub span: Span,
-    /// one line for people
-    pub doc: String,
-    /// properties of the group that each instance is
-    pub props: Vec<Entry>,
-    /// its parameters, modules, groups, gestures and the parts it uses
-    pub body: Model,
-}
-
-/// A line of `[use]`, as written.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Use {
-    /// name of the instance, or of all of them
-    pub name: String,
-    /// where the name is written
-    pub span: Span,
-    /// name of the part; of a whole file there is none
-    pub part: Option<Entry>,
-    /// the file it stands in, if it is another one, from the folder of this
-    pub file: Option<Entry>,
-    /// how many; without it there is one, whose modules have no index
-    pub n: Option<Entry>,
-    /// values of its parameters; where there are many, a list has one for each
-    pub with: Vec<Entry>,
-}
-
-impl Use {
-    /// One instance, called so, of a part that is handed over with it.
-    pub fn new(name: &str) -> Use {
-        Use { name: name.into(), span: Span::NONE, part: None, file: None, n: None, with: Vec::new() }
-    }
-}
 
 /// Makes lists of names of many instances, `key[*].hammer`, in a model that a program built; where there are no such
 /// instances it says so.

@@ -3,9 +3,9 @@
 //! Decides by the type of the place a name stands in: a number refers to a `[param]` of the instance, a selector to a module,
 //! anything else gets what is written for the parameter.
 
+use crate::model::{Entry, Span, Value};
 use crate::quantity::{is_quantity, note, product};
 use crate::select::is_name;
-use crate::{Entry, Span, Value};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;

@@ -1,7 +1,7 @@
 //! Shift: a file that was read by itself gets its place behind the others.
 
 use crate::diag::{Diags, Fix};
-use crate::{Entry, Item, Model, Span, Value};
+use crate::model::{Entry, Item, Model, Span, Value};
 
 /// The place of the first byte of the next file of a model.
 pub(super) fn next_file(model: &Model) -> usize {

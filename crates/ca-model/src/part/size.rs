@@ -4,9 +4,8 @@
 //! parameter, count once. A bound that is too large is a refusal at once; what it misses is stopped while it is put in.
 
 use super::expander::{Expander, Home, Size};
-use super::{Part, Use};
 use crate::diag::Diag;
-use crate::{LARGEST, Value};
+use crate::model::{LARGEST, Part, Use, Value};
 use alloc::format;
 
 impl Expander<'_> {
