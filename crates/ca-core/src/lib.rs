@@ -30,6 +30,7 @@ extern crate alloc;
 
 pub mod border;
 mod catalog;
+mod choice;
 pub mod equivalence;
 pub mod io;
 pub mod kind;

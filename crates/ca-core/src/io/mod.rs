@@ -8,7 +8,7 @@ use crate::kind::{ANY, Kind, Need, POSITIVE, Param, PortRole, Role, Type, Unit};
 
 pub mod midi;
 
-crate::choice! {
+crate::choice::choice! {
     /// What an output hears of a MAT.
     pub enum Hear {
         /// displacement from rest \[m\]

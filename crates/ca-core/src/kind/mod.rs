@@ -6,7 +6,6 @@
 //! one idea over ten files.
 
 pub mod builder;
-mod choice;
 pub mod cloud;
 pub mod name;
 mod param;
@@ -126,6 +125,8 @@ macro_rules! positions {
         }
     };
 }
+
+pub(crate) use positions;
 
 impl core::fmt::Debug for Kind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

@@ -40,7 +40,7 @@ out = { from = "bar", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
-crate::positions!(KIND: M = "m", K = "k", Z = "z", F = "f", T60 = "t60", METHOD = "method", THETA = "theta");
+crate::kind::positions!(KIND: M = "m", K = "k", Z = "z", F = "f", T60 = "t60", METHOD = "method", THETA = "theta");
 
 fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
     let m = p[at::M].unwrap_or(1.0);

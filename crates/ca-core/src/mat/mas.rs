@@ -29,7 +29,7 @@ out = { from = "bob", gain = 1000 }
     role: Role::Mat(&MatSpec { coefs, fixed: false }),
 };
 
-crate::positions!(KIND: M = "m");
+crate::kind::positions!(KIND: M = "m");
 
 fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
     let m = p[at::M].unwrap_or(1.0);

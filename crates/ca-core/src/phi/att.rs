@@ -47,7 +47,7 @@ finger = [[0, 0], [0.3, "8 mm"]]
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
+crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
 
 /// The law of ATT.
 pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");

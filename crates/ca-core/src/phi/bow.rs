@@ -18,7 +18,7 @@ use crate::method::friction::{self, Curve};
 use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
 
-crate::choice! {
+crate::choice::choice! {
     /// The force over the speed.
     pub enum CurveShape {
         /// u exp(½ − u²/2)
@@ -31,7 +31,7 @@ crate::choice! {
         Table = "table",
     }
 }
-crate::choice! {
+crate::choice::choice! {
     /// How the force is found.
     pub enum FrictionMethod {
         /// explicit
@@ -94,7 +94,7 @@ bow = [[0, 0], [1, "0.2 m"]]
     role: Role::Lia(&SMOOTH),
 };
 
-crate::positions!(KIND: CURVE = "curve", F = "f", V0 = "v0", V1 = "v1", FD = "fd", POINTS = "points", METHOD = "method");
+crate::kind::positions!(KIND: CURVE = "curve", F = "f", V0 = "v0", V1 = "v1", FD = "fd", POINTS = "points", METHOD = "method");
 
 /// The law of BOW, and what it becomes with another curve or method.
 pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {

@@ -49,7 +49,7 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", Z = "z", D = "d", SENSE = "sense", STICKY = "sticky", METHOD = "method");
+crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SENSE = "sense", STICKY = "sticky", METHOD = "method");
 
 /// The law of BUT.
 pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {

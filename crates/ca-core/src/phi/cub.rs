@@ -39,7 +39,7 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", K3 = "k3", Z = "z");
+crate::kind::positions!(KIND: K = "k", K3 = "k3", Z = "z");
 
 /// The law of CUB.
 pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");

@@ -40,7 +40,7 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: Z = "z");
+crate::kind::positions!(KIND: Z = "z");
 
 /// The law of FRO; REF without stiffness becomes this.
 pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");

@@ -52,7 +52,7 @@ out = { from = "bar", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", P = "p", H = "h", D = "d", SENSE = "sense", METHOD = "method");
+crate::kind::positions!(KIND: K = "k", P = "p", H = "h", D = "d", SENSE = "sense", METHOD = "method");
 
 /// The law of HRZ.
 pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {

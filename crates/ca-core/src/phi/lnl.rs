@@ -53,7 +53,7 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: SPRING = "spring", FRICTION = "friction");
+crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction");
 
 /// The law of LNL; with one table only it becomes one of the next two.
 pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[at::SPRING], p[at::FRICTION]) {

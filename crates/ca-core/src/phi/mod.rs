@@ -61,7 +61,7 @@ pub const SOFTEN: Param = Param::number(
 )
 .for_good();
 
-crate::choice! {
+crate::choice::choice! {
     /// How the force of a one-sided spring is found.
     pub enum ContactMethod {
         /// explicit
@@ -72,7 +72,7 @@ crate::choice! {
         Stable3d = "stable3d",
     }
 }
-crate::choice! {
+crate::choice::choice! {
     /// On which side of its threshold a one-sided spring acts.
     pub enum Sense {
         /// below: keeps apart
@@ -81,7 +81,7 @@ crate::choice! {
         Inside = "inside",
     }
 }
-crate::choice! {
+crate::choice::choice! {
     /// How many links two lists of ends make.
     pub enum Pairs {
         /// one to one

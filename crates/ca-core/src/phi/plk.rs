@@ -9,7 +9,7 @@ use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{NONE, Real, Table};
 
-crate::choice! {
+crate::choice::choice! {
     /// On which way it plucks.
     pub enum Side {
         /// both
@@ -72,7 +72,7 @@ plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED = "engaged");
+crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED = "engaged");
 
 /// The law of PLK.
 pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK");

@@ -43,7 +43,7 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", Q = "q", P = "p", Z = "z");
+crate::kind::positions!(KIND: K = "k", Q = "q", P = "p", Z = "z");
 
 /// The law of POW.
 pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");

@@ -42,7 +42,7 @@ out = { from = "bob", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k", Z = "z");
+crate::kind::positions!(KIND: K = "k", Z = "z");
 
 /// The law of REF.
 pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {

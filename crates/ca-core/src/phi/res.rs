@@ -42,7 +42,7 @@ out = { from = "bob", gain = 1000 }
     role: Role::Lia(&LAW),
 };
 
-crate::positions!(KIND: K = "k");
+crate::kind::positions!(KIND: K = "k");
 
 /// The law of RES; REF without viscosity becomes this.
 pub static LAW: Law = Law::of::<Res, 1, 0>("RES");

@@ -16,7 +16,7 @@ pub mod wave;
 
 use core::f64::consts::{LN_10, PI};
 
-crate::choice! {
+crate::choice::choice! {
     /// How what is linear is computed. A link or a cell knows the first three, a group `modal` too, the model all.
     pub enum Method {
         /// explicit, as in the field

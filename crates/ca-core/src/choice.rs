@@ -2,7 +2,8 @@
 //!
 //! Decides that a choice travels among the other arguments as the number of its word and becomes its enum where it is
 //! read, so that nothing is compared with a bare number. The alternative, an argument of its own type for words, would
-//! put a case into every array of numbers that a law is loaded from.
+//! put a case into every array of numbers that a law is loaded from. The macro needs nothing of what a kind is, so it stands
+//! below all other modules, some of which come before kinds.
 
 /// Declares an enum of words, first the one that holds if nothing is written.
 ///
@@ -40,3 +41,5 @@ macro_rules! choice {
         }
     };
 }
+
+pub(crate) use choice;
