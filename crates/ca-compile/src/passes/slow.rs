@@ -8,8 +8,9 @@
 //! what is not, and only where there is something of the kind. The word stands in the group, since it is the link across
 //! that may be anything for it, and in all groups at the gesture rate, since they are computed as one.
 
+use crate::net::linearisation::{own, slopes};
 use crate::net::{End, LiaNode, MatRole, Measure, OutputTap, Pruned};
-use alloc::collections::BTreeSet;
+use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -18,12 +19,16 @@ use ca_core::mat::{MAS, SOL};
 use ca_core::op::layout::Shape;
 use ca_core::tuning::{Method, Scheme};
 use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
 use ca_model::{Model, Span};
 
 /// Most axes of masses that links across may hold.
 pub const MOST: usize = 48;
 /// Most MATs within reach of a frame, times the ticks of it: each is a number in every frame, and two frames at load.
 pub const REACH: usize = 65_536;
+/// Largest T²K/M of a mass M behind a compensated border that is stable on a spring K to what stands still
+/// (docs/numerics.md §5.4, eq. 5).
+const LIGHT: f64 = 0.65;
 
 /// What is computed once a gesture frame.
 pub struct SlowPart {
@@ -42,7 +47,7 @@ pub struct SlowPart {
 /// Finds it, and says what may not be; `None` where nothing is at the gesture rate.
 pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> {
     let compensated = net.media.iter().any(|m| m.slow && m.compensated);
-    let mut say = Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false };
+    let mut say = Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false, held: BTreeMap::new() };
     say.borders();
     let in_slow = |group: Option<u32>| net.medium_of(group).slow;
     // of a group that nothing hears nothing is left
@@ -115,9 +120,8 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
             say.varies(l, &why, None);
             // by its force on all axes; what is at its other ends answers beside what is known
             let held = l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
-            coupled.extend(
-                held.filter(|m| slow[*m as usize]).flat_map(|m| (0..net.axes(End::Mat(m))).map(move |k| (m, k))),
-            );
+            let held = held.filter(|m| slow[*m as usize]).inspect(|m| *say.held.entry(*m).or_default() += slopes(net, l).k);
+            coupled.extend(held.flat_map(|m| (0..net.axes(End::Mat(m))).map(move |k| (m, k))));
             continue;
         }
         for (end, axes) in l.ends.into_iter().zip(axes(net, l)) {
@@ -260,6 +264,8 @@ struct Findings<'a> {
     compensated: bool,
     /// there is something of the kind
     unknown: bool,
+    /// masses of the group that links across hold which are not known, with the sum of their stiffness \[N/m\]
+    held: BTreeMap<u32, f64>,
 }
 
 impl Findings<'_> {
@@ -348,8 +354,24 @@ impl Findings<'_> {
             let of = self.model.groups.iter().flat_map(|g| &g.props).find(|e| e.key == "border");
             let d = Diag::warning("W107", title).at(of.map_or(Span::NONE, |e| e.span), "may make energy");
             let help = "`ca render --energy` says how much; with a higher `gesture` in `[rate]` it is less";
-            self.diags.push(d.help(help));
+            let d = match self.lightest() {
+                Some((m, a)) if a > LIGHT => d.help(format!(
+                    "`{}` is light for the links across: T²K/M is {:.2}, and on what does not give way it diverges from {LIGHT} on; make it \
+                     heavier or them softer, or raise `gesture` in `[rate]`",
+                    self.net.mats[m as usize].name,
+                    Plain(a)
+                )),
+                _ => d.help(help),
+            };
+            self.diags.push(d);
         }
+    }
+
+    /// The mass with the largest T²K/M, T being a frame, and that.
+    fn lightest(&self) -> Option<(u32, f64)> {
+        let frame = f64::from(self.net.ratio * self.net.oversample);
+        let all = self.held.iter().map(|(m, k)| (*m, own(self.net, &self.net.mats[*m as usize]).c * frame * frame * k));
+        all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Methods and starts that are of one rate.
