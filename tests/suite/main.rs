@@ -57,6 +57,7 @@ mod sets;
 mod single;
 mod skipped;
 mod slow;
+mod snapshot;
 mod soak;
 mod space;
 mod stable;

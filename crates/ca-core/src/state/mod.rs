@@ -6,6 +6,7 @@
 
 pub(crate) mod active_contacts;
 pub(crate) mod ledger;
+mod snapshot;
 
 use crate::numeric::words::word;
 use crate::numeric::{Aligned, Real, VerletList, wide};
@@ -15,6 +16,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 pub use ledger::{Balance, Exchange, Ledger};
+pub use snapshot::NotRestored;
 
 /// Nodes and weights under a moving point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,0 +1,349 @@
+//! Snapshot: a state as bytes, to be kept, sent, and gone on from in another process or on another machine.
+//!
+//! Decides for a list of all numbers in a fixed order, each eight bytes, lowest first: a scene says how many there are, so a
+//! snapshot has no lengths that could be wrong, and what is read back is compared with the shape before anything changes.
+//! A format with names of fields would outlive a change of [`State`], but a state does not: what its numbers mean is the scene's,
+//! whose [`Identity`](super::Identity) stands in the head. One list serves both ways, so what is written is what is read.
+//!
+//! Left out is what decides nothing of the future and is made anew: lists of near points, contacts of the tick, numbers in
+//! passing.
+
+use super::{Balance, Between, Border, Cell, Exchange, Ledger, Ramps, SlowState, State, Unknown};
+use crate::numeric::{Real, real, wide};
+use alloc::vec::Vec;
+use core::fmt;
+use core::hash::Hasher as _;
+
+/// The first bytes of a snapshot.
+const MAGIC: &[u8; 8] = b"ca state";
+/// The order of its numbers.
+pub const VERSION: u64 = 1;
+/// Bytes before the numbers: what it is, the version, the identity of the scene.
+const HEAD: usize = 24;
+/// Bytes behind them: FNV-1a of all before.
+const FOOT: usize = 8;
+
+/// Why a state was not put back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotRestored {
+    /// the bytes are no snapshot
+    NoSnapshot,
+    /// of this version, which is not [`VERSION`]
+    Version(u64),
+    /// of another scene: another model, other values, or compiled with other options
+    OtherScene,
+    /// cut off, or changed since it was written
+    Damaged,
+}
+
+impl fmt::Display for NotRestored {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotRestored::NoSnapshot => write!(f, "not a snapshot of a state"),
+            NotRestored::Version(v) => write!(f, "a snapshot of version {v}; this program reads version {VERSION}"),
+            NotRestored::OtherScene => write!(
+                f,
+                "a snapshot of another scene: the model, its values, its rate, probes or the energy ledger are not those it was taken with"
+            ),
+            NotRestored::Damaged => write!(f, "a snapshot that is cut off or was changed"),
+        }
+    }
+}
+
+impl core::error::Error for NotRestored {}
+
+impl State {
+    /// All that decides the future of this state, between two ticks, as bytes. The same on every machine.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::from(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(self.scene.0.to_le_bytes());
+        self.clone().each(&mut Writer(&mut bytes));
+        let sum = checksum(&bytes);
+        bytes.extend(sum.to_le_bytes());
+        bytes
+    }
+
+    /// Goes back (or on) to a snapshot of the same scene: what is played from here on is what would have followed there, to
+    /// the bit.
+    ///
+    /// # Errors
+    /// [`NotRestored`], and nothing has changed.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotRestored> {
+        let mut restored = self.clone();
+        let numbers = self.checked(bytes, &mut restored)?;
+        restored.each(&mut Reader(numbers));
+        if !restored.is_sound() {
+            return Err(NotRestored::Damaged);
+        }
+        *self = restored;
+        Ok(())
+    }
+
+    /// The numbers of a snapshot of this scene that is whole; `like` is a state of its shape.
+    fn checked<'b>(&self, bytes: &'b [u8], like: &mut State) -> Result<&'b [u8], NotRestored> {
+        let word = |at: usize| bytes.get(at..)?.first_chunk::<8>().map(|w| u64::from_le_bytes(*w));
+        if bytes.first_chunk() != Some(MAGIC) {
+            return Err(NotRestored::NoSnapshot);
+        }
+        let version = word(8).ok_or(NotRestored::Damaged)?;
+        if version != VERSION {
+            return Err(NotRestored::Version(version));
+        }
+        if word(16).ok_or(NotRestored::Damaged)? != self.scene.0 {
+            return Err(NotRestored::OtherScene);
+        }
+        let mut count = Counter(0);
+        like.each(&mut count);
+        if bytes.len() != HEAD + 8 * count.0 + FOOT {
+            return Err(NotRestored::Damaged);
+        }
+        let (whole, foot) = bytes.split_at(bytes.len() - FOOT);
+        let sum = foot.first_chunk().map(|w| u64::from_le_bytes(*w));
+        if sum != Some(checksum(whole)) { Err(NotRestored::Damaged) } else { Ok(&whole[HEAD..]) }
+    }
+
+    /// True where every place that a tick looks up is one of this state.
+    fn is_sound(&self) -> bool {
+        let places = self.x.len();
+        let cells = self.cells.iter().all(|c| c.n <= 4 && c.node.iter().all(|m| (*m as usize) < places.max(1)));
+        // centuries, and far from where counting would end
+        let time = self.tick < 1 << 56;
+        time && cells && self.ramps.is_sound() && self.slow.as_ref().is_none_or(|slow| slow.state.is_sound())
+    }
+
+    /// Every number, in order. Who adds a field is asked here what to do with it.
+    fn each(&mut self, w: &mut impl Words) {
+        let State {
+            scene: _,
+            x,
+            d,
+            f,
+            coef,
+            mem,
+            lengths,
+            tap,
+            input,
+            last_input,
+            output,
+            cells,
+            near: _,
+            slow,
+            border,
+            late,
+            blocked,
+            glide,
+            lowpass,
+            implicit: _,
+            touches: _,
+            ramps,
+            written: _,
+            ledger,
+            tick,
+            refused,
+        } = self;
+        for all in [x, d, f, coef, lengths, tap] {
+            w.reals(all);
+        }
+        w.reals(mem);
+        for all in [input, last_input, output, late] {
+            w.doubles(all);
+        }
+        for Cell { n, node, weight } in cells {
+            let mut count = *n as u32;
+            w.counts(core::slice::from_mut(&mut count));
+            *n = count as usize;
+            w.counts(node);
+            w.reals(weight);
+        }
+        for Border { from, to, sum, force } in border {
+            w.each_of([from, to, sum, force]);
+        }
+        w.reals(blocked.as_flattened_mut());
+        w.doubles(glide.as_flattened_mut());
+        w.reals(lowpass);
+        ramps.each(w);
+        w.word(tick);
+        w.word(refused);
+        if let Some(slow) = slow {
+            slow.each(w);
+        }
+        if let Some(ledger) = ledger {
+            ledger.each(w);
+        }
+    }
+}
+
+impl SlowState {
+    fn each(&mut self, w: &mut impl Words) {
+        let SlowState { state, ports, unknown, free: _ } = self;
+        state.each(w);
+        for Between { from, to, force } in ports {
+            w.each_of([from, to, force]);
+        }
+        for Unknown { sum, given, expected, last } in unknown {
+            w.each_of([sum, given, expected]);
+            w.doubles(last);
+        }
+    }
+}
+
+impl Ramps {
+    fn each(&mut self, w: &mut impl Words) {
+        let Ramps { index: _, left, step, target, active, moving, whole: _ } = self;
+        w.counts(left);
+        w.reals(step);
+        w.reals(target);
+        w.counts(active);
+        let mut count = *moving as u64;
+        w.word(&mut count);
+        *moving = usize::try_from(count).unwrap_or(usize::MAX);
+    }
+
+    /// True where those that move are those with ticks left, each listed once.
+    fn is_sound(&self) -> bool {
+        let Some(active) = self.active.get(..self.moving) else { return false };
+        let mut listed: Vec<u32> = active.to_vec();
+        listed.sort_unstable();
+        listed.dedup();
+        let moves = |i: &u32| self.left.get(*i as usize).is_some_and(|left| *left > 0);
+        listed.len() == self.moving
+            && listed.iter().all(moves)
+            && self.left.iter().filter(|left| **left > 0).count() == self.moving
+    }
+}
+
+impl Ledger {
+    fn each(&mut self, w: &mut impl Words) {
+        let Ledger {
+            h0,
+            h,
+            kinetic,
+            peak,
+            lost_mats,
+            lost,
+            scheme_error,
+            work,
+            pointer,
+            crossed,
+            border,
+            slow,
+            pulled,
+            hands,
+            changed,
+            worst,
+            d0,
+            heat,
+            port,
+            stored,
+            points,
+            stored_batches,
+            stored_mats,
+            mass,
+            begun,
+            turning,
+            room: _,
+            kick,
+        } = self;
+        w.each_of([
+            h0,
+            h,
+            kinetic,
+            peak,
+            lost_mats,
+            pointer,
+            crossed,
+            border,
+            pulled,
+            changed,
+            worst,
+            heat,
+            stored_mats,
+        ]);
+        for all in [lost, scheme_error, work, port, stored, stored_batches, mass] {
+            w.doubles(all);
+        }
+        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak } = slow;
+        w.each_of([h0, h, lost, scheme_error, work, changed, residual, peak]);
+        for Exchange { received, given, hand, last, held, sum } in hands {
+            w.each_of([received, given, hand, last, held, sum]);
+        }
+        w.reals(d0);
+        w.reals(points.as_flattened_mut());
+        w.reals(kick);
+        for flag in [begun, turning] {
+            let mut word = u64::from(*flag);
+            w.word(&mut word);
+            *flag = word != 0;
+        }
+    }
+}
+
+/// Numbers one after the other, to be written, read or counted.
+trait Words {
+    fn word(&mut self, v: &mut u64);
+
+    fn double(&mut self, v: &mut f64) {
+        let mut bits = v.to_bits();
+        self.word(&mut bits);
+        *v = f64::from_bits(bits);
+    }
+
+    fn each_of<const N: usize>(&mut self, all: [&mut f64; N]) {
+        all.into_iter().for_each(|v| self.double(v));
+    }
+
+    fn doubles(&mut self, all: &mut [f64]) {
+        all.iter_mut().for_each(|v| self.double(v));
+    }
+
+    fn reals(&mut self, all: &mut [Real]) {
+        for v in all {
+            let mut number = wide(*v);
+            self.double(&mut number);
+            *v = real(number);
+        }
+    }
+
+    fn counts(&mut self, all: &mut [u32]) {
+        for v in all {
+            let mut word = u64::from(*v);
+            self.word(&mut word);
+            *v = u32::try_from(word).unwrap_or(u32::MAX);
+        }
+    }
+}
+
+/// Writes them.
+struct Writer<'b>(&'b mut Vec<u8>);
+/// Reads them from as many bytes as there are.
+struct Reader<'b>(&'b [u8]);
+/// Counts them.
+struct Counter(usize);
+
+impl Words for Writer<'_> {
+    fn word(&mut self, v: &mut u64) {
+        self.0.extend(v.to_le_bytes());
+    }
+}
+
+impl Words for Reader<'_> {
+    fn word(&mut self, v: &mut u64) {
+        if let Some((first, others)) = self.0.split_first_chunk::<8>() {
+            *v = u64::from_le_bytes(*first);
+            self.0 = others;
+        }
+    }
+}
+
+impl Words for Counter {
+    fn word(&mut self, _: &mut u64) {
+        self.0 += 1;
+    }
+}
+
+fn checksum(bytes: &[u8]) -> u64 {
+    let mut h = fnv::FnvHasher::default();
+    h.write(bytes);
+    h.finish()
+}
