@@ -154,7 +154,8 @@ proptest! {
                 let ledger = s.ledger.as_ref().expect("a ledger");
                 prop_assert!(ledger.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
                 if n > 0 && resists {
-                    prop_assert!(ledger.h <= before + ledger.scheme_error.iter().sum::<f64>().abs() + 1e-12 * ledger.peak);
+                    let most = before + ledger.scheme_error.iter().sum::<f64>().abs() + 1e-12 * ledger.peak;
+                    prop_assert!(ledger.h <= most, "{} {way}, tick {n}: {} J after {before} J", kind.code, ledger.h);
                 }
                 before = ledger.h;
             }
