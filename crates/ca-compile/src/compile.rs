@@ -9,6 +9,8 @@ use crate::emit::slow::Slow;
 use crate::emit::{ordering, schedule};
 use crate::lower::{params, resolve, values};
 use crate::net::Pruned;
+#[cfg(feature = "analysis")]
+use crate::net::linear::Purpose;
 use crate::options::{KernelClass, Options};
 use crate::passes::slow::SlowPart;
 use crate::passes::{implicit, modal, pefrl, prune, reach, single, slow, solve_order, specialise, waves};
@@ -86,8 +88,28 @@ pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<
 /// All findings, sorted, with an error among them; also where the numbers are beyond computing.
 #[cfg(feature = "analysis")]
 pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
+    linear_part(model, catalog, options, Purpose::Modes)
+}
+
+/// The same with the coefficients that a tick computes with, and with the places that position ports move
+/// ([`Network::driven`](crate::analysis::Network::driven)): what a tick does, as matrices.
+///
+/// # Errors
+/// As [`linear`].
+#[cfg(feature = "analysis")]
+pub fn linear_tick(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
+    linear_part(model, catalog, options, Purpose::Tick)
+}
+
+#[cfg(feature = "analysis")]
+fn linear_part(
+    model: &Model,
+    catalog: &Catalog,
+    options: &Options,
+    purpose: Purpose,
+) -> Result<crate::analysis::Network, Diags> {
     let (net, mut diags) = network(model, catalog, options)?;
-    let linear = crate::net::linear::network(&net);
+    let linear = crate::net::linear::network(&net, purpose);
     let numbers = |p: &crate::analysis::Dof| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
     if !linear.linear.dofs.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
         // what the numbers are is for the certificate to say

@@ -34,7 +34,7 @@ mod passes;
 mod split;
 
 #[cfg(feature = "analysis")]
-pub use compile::linear;
+pub use compile::{linear, linear_tick};
 pub use compile::{Compiled, compile, halves, measured};
 pub use emit::cost;
 #[cfg(feature = "parse")]

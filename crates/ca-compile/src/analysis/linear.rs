@@ -109,6 +109,13 @@ pub struct Network {
     pub x: Vec<f64>,
     /// its speed \[m/s\]
     pub v: Vec<f64>,
+    /// name of the link of each row
+    pub link_names: Vec<String>,
+    /// what of it a tick does in another way than by these matrices: a method, or nothing
+    pub other_scheme: Option<&'static str>,
+    /// name of each place that a position port moves, and `None` of an axis that none moves; they are numbered behind all dofs, and
+    /// are there only where the network is for a tick
+    pub driven: Vec<Option<String>>,
     /// where it is driven and heard
     pub ports: Vec<Port>,
     /// outputs that hear a force, which is no displacement

@@ -7,12 +7,13 @@ use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
 use crate::net::lines::LineNode;
-use crate::net::{Coordinate, End, LiaNode, MatNode, Measure, OutNode, OutputTap, Pruned, Wired};
+use crate::net::{Coordinate, End, LiaNode, MatNode, MatRole, Measure, OutNode, OutputTap, Pruned, Wired};
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::io::Hear;
 use ca_core::law::Bound;
+use ca_core::mat::CEL;
 use ca_core::op::pass;
 use ca_core::tuning::Scheme;
 
@@ -81,18 +82,40 @@ pub fn links(
     all
 }
 
+/// What a linear network is for, and so whose numbers it has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// to know its modes: of what is tuned in a modal group, those that are meant
+    Modes,
+    /// to compute what a tick does: the coefficients as stored; position ports have numbers too, behind all that moves
+    Tick,
+}
+
 /// The linear part of a network at load, and where it is driven and heard.
-pub fn network(net: &Pruned) -> Network {
-    let mut own: Vec<Own> = net
-        .mats
-        .iter()
-        .zip(&net.alive)
-        .map(|(m, alive)| if *alive { linearisation::own(net, m) } else { Own::default() })
-        .collect();
+pub fn network(net: &Pruned, purpose: Purpose) -> Network {
+    let of = match purpose {
+        Purpose::Modes => linearisation::own,
+        Purpose::Tick => linearisation::stored,
+    };
+    let mats = net.mats.iter().zip(&net.alive);
+    let mut own: Vec<Own> = mats.map(|(m, alive)| if *alive { of(net, m) } else { Own::default() }).collect();
     // delays are no matrix: what hangs on a waveguide is reported as if that stood still
     net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
-    let (mut linear, numbers) = dofs(net, &own);
+    let (mut linear, mut numbers) = dofs(net, &own);
+    let mut driven = Vec::new();
+    if purpose == Purpose::Tick {
+        let moving = linear.dofs.len();
+        for ((m, alive), first) in net.mats.iter().zip(&net.alive).zip(&mut numbers.0) {
+            let MatRole::Port(_, inputs) = m.role else { continue };
+            if *alive && inputs.iter().any(Option::is_some) {
+                *first = Some((moving + driven.len()) as u32);
+                driven.extend(
+                    inputs.iter().take(m.axes as usize).map(|i| i.map(|i| net.inputs[i as usize].name.clone())),
+                );
+            }
+        }
+    }
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
@@ -157,11 +180,32 @@ pub fn network(net: &Pruned) -> Network {
         x: linear.dofs.iter().map(|p| at(p, |m| m.dx0)).collect(),
         v: linear.dofs.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),
+        link_names: linear.rows.iter().map(|r| net.lias[r.lia as usize].name.to_string()).collect(),
+        other_scheme: other_scheme(net, &linear),
+        driven,
         ports,
         force_outputs,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.to_string(), code)).collect(),
         unheard: unheard(net),
         linear,
+    }
+}
+
+/// What of the dofs does not move by forces at a place.
+fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
+    let groups = || linear.dofs.iter().map(|p| net.mats[p.mat as usize].group);
+    match () {
+        () if net.is_composed() => Some("method = \"pefrl\""),
+        () if groups().any(|g| net.medium_of(g).slow) => Some("rate = \"gesture\""),
+        // a cell is a mode by itself, and moves as any other
+        () if linear.dofs.iter().any(|p| {
+            let m = &net.mats[p.mat as usize];
+            m.code != CEL.code && net.scheme(m.group) == Scheme::Modal
+        }) =>
+        {
+            Some("method = \"modal\"")
+        }
+        () => None,
     }
 }
 

@@ -19,8 +19,21 @@ pub struct Own {
     pub implicit: f64,
 }
 
-/// A MAT at load.
+/// A MAT at load: of a cell that is tuned in a modal group the mode itself, not what the explicit scheme needs to sound like it.
 pub fn own(net: &Resolved, m: &MatNode) -> Own {
+    let stored = stored(net, m);
+    let tuned =
+        pitch(m, &net.values(m.item, &m.values)).filter(|_| net.scheme(m.group) == Scheme::Modal && stored.c > 0.0);
+    match tuned.and_then(|(f, t60)| Scheme::Modal.tuned(f, t60, net.tick_dt)) {
+        Some((a, b)) => {
+            Own { k: a / stored.c, z: b / stored.c + net.medium(m).friction / net.tick_dt, implicit: 0.0, ..stored }
+        }
+        None => stored,
+    }
+}
+
+/// A MAT at load, as its coefficients have it.
+pub fn stored(net: &Resolved, m: &MatNode) -> Own {
     let MatRole::Mat(spec) = m.role else { return Own::default() };
     let mut out = Vec::new();
     let mut values = net.values(m.item, &m.values);
@@ -31,12 +44,6 @@ pub fn own(net: &Resolved, m: &MatNode) -> Own {
         return Own::default();
     }
     let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, implicit: 0.0 };
-    if let Some((f, t60)) = pitch(m, &values).filter(|_| net.scheme(m.group) == Scheme::Modal) {
-        // the mode itself, not what the explicit scheme needs to sound like it
-        if let Some((a, b)) = Scheme::Modal.tuned(f, t60, net.tick_dt) {
-            return Own { c, k: a / c, z: b / c + net.medium(m).friction / net.tick_dt, implicit: 0.0 };
-        }
-    }
     let Some(method) = ca_core::mat::CEL.param("method").filter(|_| m.code == ca_core::mat::CEL.code) else {
         return own;
     };

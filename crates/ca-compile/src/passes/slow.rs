@@ -47,7 +47,8 @@ pub struct SlowPart {
 /// Finds it, and says what may not be; `None` where nothing is at the gesture rate.
 pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> {
     let compensated = net.media.iter().any(|m| m.slow && m.compensated);
-    let mut say = Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false, held: BTreeMap::new() };
+    let mut say =
+        Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false, held: BTreeMap::new() };
     say.borders();
     let in_slow = |group: Option<u32>| net.medium_of(group).slow;
     // of a group that nothing hears nothing is left
@@ -120,7 +121,8 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
             say.varies(l, &why, None);
             // by its force on all axes; what is at its other ends answers beside what is known
             let held = l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
-            let held = held.filter(|m| slow[*m as usize]).inspect(|m| *say.held.entry(*m).or_default() += slopes(net, l).k);
+            let held =
+                held.filter(|m| slow[*m as usize]).inspect(|m| *say.held.entry(*m).or_default() += slopes(net, l).k);
             coupled.extend(held.flat_map(|m| (0..net.axes(End::Mat(m))).map(move |k| (m, k))));
             continue;
         }
