@@ -4,8 +4,8 @@
 // what fails here is a defect of the example
 #![allow(clippy::missing_panics_doc)]
 
-use cordis_anima::ca_core::live::{Controls, Patch};
-use cordis_anima::{Loaded, Options, Scene, State, tick};
+use cordis_anima::voice::Param;
+use cordis_anima::{Loaded, Options, Voice};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -19,58 +19,48 @@ out = { from = "bar", gain = 500 }
 "#;
 
 /// What the callback owns.
-pub struct Voice {
-    scene: Arc<Scene>,
-    state: State,
-    changes: Receiver<Patch>,
-    /// patches go back to be freed where that is allowed
-    used: SyncSender<Patch>,
+pub struct Callback {
+    voice: Voice,
+    changes: Receiver<(Param, f64)>,
 }
 
-impl Voice {
+impl Callback {
     /// The callback: mono, any length.
     pub fn fill(&mut self, block: &mut [f32]) {
-        while let Ok(patch) = self.changes.try_recv() {
+        while let Ok((param, value)) = self.changes.try_recv() {
             // over 64 samples, so that nothing clicks
-            self.state.apply(&patch, 64);
-            let _ = self.used.try_send(patch);
+            self.voice.set(param, value, 64);
         }
-        for sample in block {
-            tick(&self.scene, &mut self.state);
-            *sample = self.state.output[0] as f32;
-        }
+        self.voice.process(&[], &mut [block]);
     }
 }
 
 /// What the rest of the program keeps.
 pub struct Panel {
-    controls: Controls,
-    to_voice: SyncSender<Patch>,
-    from_voice: Receiver<Patch>,
+    pitch: Param,
+    to_voice: SyncSender<(Param, f64)>,
 }
 
 impl Panel {
-    /// Moves the pitch, and frees what the callback has done with.
-    pub fn pitch(&mut self, hertz: f64) {
-        let patch = self.controls.set("pitch", hertz).expect("a live parameter");
-        self.to_voice.send(patch).expect("the voice is there");
-        while self.from_voice.try_recv().is_ok() {}
+    /// Moves the pitch.
+    pub fn pitch(&self, hertz: f64) {
+        self.to_voice.send((self.pitch, hertz)).expect("the voice is there");
     }
 }
 
-/// A voice for the callback, and the panel that plays it.
-pub fn voice() -> (Voice, Panel) {
+/// What fills blocks, and the panel that plays it.
+pub fn voice() -> (Callback, Panel) {
     let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&Options::default()).expect("it compiles");
-    let scene = Arc::new(compiled.scene);
-    let ((to_voice, changes), (used, from_voice)) = (sync_channel(16), sync_channel(16));
-    let panel = Panel { controls: scene.controls(), to_voice, from_voice };
-    (Voice { state: scene.state(), scene, changes, used }, panel)
+    let voice = Voice::new(Arc::new(compiled.scene));
+    let (to_voice, changes) = sync_channel(16);
+    let panel = Panel { pitch: voice.param("pitch").expect("it is live"), to_voice };
+    (Callback { voice, changes }, panel)
 }
 
 /// Plays a second in blocks of 128, as an audio interface would ask for them; half-way the pitch goes up a fifth.
 /// Returns the sound.
 fn play() -> Vec<f32> {
-    let (mut voice, mut panel) = voice();
+    let (mut voice, panel) = voice();
     let (mut sound, mut block) = (Vec::new(), [0.0; 128]);
     for n in 0..375 {
         if n == 187 {

@@ -19,7 +19,19 @@
 //! println!("{} samples of {} channels at {} Hz", sound.frames(), sound.channels, sound.rate);
 //! # Ok::<(), cordis_anima::Error>(())
 //! ```
-//! `examples/` has a renderer (`render`), a real-time callback (`callback`), a law of one's own (`law`) and a sweep over
+//! In an audio program a [`Voice`] plays a scene by blocks of planar `f32`, with ports and live parameters by handle, and
+//! without an allocation:
+//! ```
+//! # let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
+//! # let scene = cordis_anima::Loaded::read(text, "bar.ca.toml").compile(&Default::default())?.scene;
+//! let mut voice = cordis_anima::Voice::new(std::sync::Arc::new(scene));
+//! let mut left = [0.0_f32; 128];
+//! voice.process(&[], &mut [&mut left]);
+//! assert!(left.iter().any(|sample| *sample != 0.0));
+//! # Ok::<(), cordis_anima::Error>(())
+//! ```
+//! `examples/` has a renderer (`render`), a real-time callback (`callback`), a voice in an audio host
+//! (`jack`), a law of one's own (`law`) and a sweep over
 //! threads (`sweep`). What each layer offers beyond these names is in its crate, which is here under its own name:
 //! [`ca_core`] (the run-time), [`ca_model`] (the language), [`ca_compile`] (the compiler), [`ca_io`] (gestures, sound
 //! files, performances), [`ca_import`] (formats of others). Devices and forces are in `ca-haptic`, which is not part of
@@ -29,6 +41,7 @@
 mod error;
 pub mod loaded;
 mod render;
+pub mod voice;
 
 pub use ca_compile::{Compiled, KernelClass, Options};
 pub use ca_core::{Catalog, Scene, State, compute_forces, integrate, process, tick};
@@ -37,5 +50,6 @@ pub use ca_model::Model;
 pub use error::{Error, Found};
 pub use loaded::{Loaded, catalog, load};
 pub use render::{Rendered, render};
+pub use voice::Voice;
 
 pub use {ca_compile, ca_core, ca_import, ca_io, ca_model};

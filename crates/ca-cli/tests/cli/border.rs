@@ -159,7 +159,9 @@ fn a_compensated_border_has_an_account() {
         "links across hold 1 of their axes, compensated:",
     ]);
     desk.put("light.ca.toml", &model.replace("50 g", "2 g"));
-    desk.ca(&["check", "light.ca.toml"]).is(0).says(&["W107", "`hammer.head` is light for the links across: T²K/M is 1.11"]);
+    desk.ca(&["check", "light.ca.toml"])
+        .is(0)
+        .says(&["W107", "`hammer.head` is light for the links across: T²K/M is 1.11"]);
     let render = ["render", "hit.ca.toml", "--energy", "--seconds", "0.5"];
     desk.ca(&render).is(0).says(&["of it by the compensated border of groups at the gesture rate"]);
     let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();

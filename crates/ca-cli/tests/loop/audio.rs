@@ -172,6 +172,45 @@ fn hands() {
     std::process::exit(i32::from(!played));
 }
 
+#[allow(dead_code)]
+#[path = "../../../cordis-anima/examples/jack.rs"]
+mod example;
+
+#[test]
+#[ignore = "a part of other tests"]
+fn voice() {
+    let Some(job) = Job::asked() else { return };
+    let (client, pitch) = example::play("ca voice").unwrap();
+    job.ready();
+    std::thread::sleep(Duration::from_millis(1500));
+    pitch(330.0);
+    while !job.is_over() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    drop(client);
+    std::process::exit(0);
+}
+
+/// The example of a voice in an audio host is heard as it is computed, until its pitch is changed.
+#[test]
+fn a_voice_plays_in_an_audio_host() {
+    let stage = Stage::new();
+    let Some(jack) = Jack::start(&stage, 256) else { return };
+    let listener = jack.listener(&stage);
+    let voice = Role::start(&stage.site, "in_real_time::audio::voice", &jack.name, 0);
+    std::thread::sleep(Duration::from_secs(3));
+    let heard = samples(&listener.end());
+    voice.end();
+    let mut computed = vec![0.0_f32; 5 * 48_000];
+    example::bar(48_000.0).0.process(&[], &mut [&mut computed]);
+    let (same, breaks) = compare(&heard, &computed);
+    println!("{same} of {} samples to the bit, {breaks} breaks", heard.len());
+    assert!(same >= 24_000, "{same} of {} samples", heard.len());
+    let crossings = |s: &[f32]| s.windows(2).filter(|w| w[0] < 0.0 && w[1] >= 0.0).count() as f64;
+    let last = &heard[heard.len() - 9_600..];
+    assert!((crossings(last) * 5.0 - 330.0).abs() < 8.0, "{} Hz at last", crossings(last) * 5.0);
+}
+
 pub fn samples(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
 }

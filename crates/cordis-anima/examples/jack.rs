@@ -1,0 +1,66 @@
+//! A voice in a real audio host: a client of a JACK server (PipeWire is one too), which plays a bar until the line ends.
+//! Type a frequency from 100 to 400 and Enter, and the bar moves there.
+
+// what fails here is a defect of the example
+#![allow(clippy::missing_panics_doc, clippy::missing_errors_doc)]
+
+use cordis_anima::voice::Param;
+use cordis_anima::{Loaded, Options, Voice};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+pub const BAR: &str = r#"
+[param]
+pitch = { value = "220 Hz", live = true, min = "100 Hz", max = "400 Hz" }
+[CEL]
+bar = { m = "2 g", f = "pitch", t60 = "20 s", dx0 = "1 mm" }
+[SOX]
+out = { from = "bar", gain = 500 }
+"#;
+
+/// What the thread of the server owns.
+pub struct Player {
+    voice: Voice,
+    out: jack::Port<jack::AudioOut>,
+    changes: Receiver<(Param, f64)>,
+}
+
+impl jack::ProcessHandler for Player {
+    fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
+        while let Ok((param, value)) = self.changes.try_recv() {
+            self.voice.set(param, value, 64);
+        }
+        self.voice.process(&[], &mut [self.out.as_mut_slice(scope)]);
+        jack::Control::Continue
+    }
+}
+
+/// The voice of the bar at a sound rate \[Hz\], and what moves its pitch.
+pub fn bar(rate: f64) -> (Voice, Param) {
+    let options = Options { rate: Some(rate), ..Options::default() };
+    let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&options).expect("it compiles");
+    let voice = Voice::new(Arc::new(compiled.scene));
+    let pitch = voice.param("pitch").expect("it is live");
+    (voice, pitch)
+}
+
+/// A client that plays, and what changes its pitch; it plays until it is dropped.
+pub fn play(name: &str) -> Result<(jack::AsyncClient<(), Player>, impl Fn(f64)), jack::Error> {
+    let (client, _) = jack::Client::new(name, jack::ClientOptions::NO_START_SERVER)?;
+    let out = client.register_port("out_0", jack::AudioOut)?;
+    let (voice, pitch) = bar(client.sample_rate() as f64);
+    let (to_voice, changes): (SyncSender<(Param, f64)>, _) = sync_channel(16);
+    let client = client.activate_async((), Player { voice, out, changes })?;
+    Ok((client, move |hertz| to_voice.send((pitch, hertz)).expect("the voice is there")))
+}
+
+fn main() -> Result<(), jack::Error> {
+    let (client, pitch) = play("ca voice")?;
+    let ours = format!("{}:out_0", client.as_client().name());
+    for port in client.as_client().ports(Some("system:playback_.*"), None, jack::PortFlags::IS_INPUT) {
+        client.as_client().connect_ports_by_name(&ours, &port)?;
+    }
+    println!("it plays; type a frequency, or end the line with Ctrl-D");
+    std::io::stdin().lines().map_while(Result::ok).filter_map(|line| line.trim().parse().ok()).for_each(pitch);
+    Ok(())
+}

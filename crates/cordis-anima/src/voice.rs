@@ -1,0 +1,201 @@
+//! Voice: a scene as a part of an audio program: blocks of planar `f32` in and out.
+//!
+//! Decides that a block never fails, allocates, locks or waits: names become handles before it, values out of range go to the end of
+//! the range, a sample that is no number is silence, and so is all that follows once the scene has diverged. Who wants the
+//! ticks themselves, or changes with an answer, uses [`tick`](crate::tick) and [`Controls`] as they are.
+//!
+//! A voice is [`Send`] and belongs to one thread at a time, commonly that of the audio callback; scenes are shared between voices.
+//! [`Voice::new`] allocates all there is and may take long; [`Voice::set`] computes the coefficients that follow from a parameter,
+//! those of a whole string for its pitch. Where that is too much for a callback, another thread computes them with
+//! [`Scene::controls`](crate::Scene::controls) and sends the patch, which [`Voice::apply`] takes at no cost.
+
+use ca_core::live::{Controls, LiveParam, Patch};
+use ca_core::numeric::wide;
+use ca_core::scene::InputRole;
+use ca_core::state::NotRestored;
+use ca_core::{Scene, State, compute_forces, integrate};
+use ca_io::perform::DIVERGED;
+use ca_io::sound::Level;
+use std::sync::Arc;
+
+/// Samples between two looks at whether it has diverged.
+const LOOK: u64 = 64;
+
+/// A live parameter of a scene; see [`Voice::param`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Param(usize);
+
+/// A port of a scene; see [`Voice::port`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Port(usize);
+
+/// Where the force on a port stands.
+#[derive(Clone, Copy, Debug)]
+enum PortForce {
+    /// that on its MAT
+    Mat(usize),
+    /// that of the last frame of a device
+    Border(usize),
+    /// it gives one, and feels none
+    None,
+}
+
+/// A scene that plays.
+pub struct Voice {
+    scene: Arc<Scene>,
+    state: State,
+    controls: Controls,
+    patch: Patch,
+    /// of each input
+    forces: Vec<PortForce>,
+    /// that force at the last sample \[N\]
+    felt: Vec<f64>,
+    level: Level,
+    diverged: bool,
+}
+
+impl Voice {
+    /// A voice at the beginning: no port is driven, and the scene's own gesture is not played.
+    pub fn new(scene: Arc<Scene>) -> Voice {
+        let mut forces = vec![PortForce::None; scene.inputs.len()];
+        scene.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
+        scene.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
+        let mut controls = scene.controls();
+        let mut patch = Patch::default();
+        // the first change makes room for all others
+        for p in 0..controls.params().len() {
+            let value = controls.params()[p].value;
+            // at its value at load, which is in range
+            let _ = controls.turn(p, value, &mut patch);
+        }
+        let level = Level::new(scene.channels);
+        let felt = vec![0.0; forces.len()];
+        Voice { state: scene.state(), controls, patch, forces, felt, level, diverged: false, scene }
+    }
+
+    /// What it plays.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Live parameters, with their present values, units and ranges.
+    pub fn params(&self) -> &[LiveParam] {
+        self.controls.params()
+    }
+
+    /// The live parameter called so.
+    pub fn param(&self, name: &str) -> Option<Param> {
+        self.params().iter().position(|p| p.name == name).map(Param)
+    }
+
+    /// The port called so, whatever its role.
+    pub fn port(&self, name: &str) -> Option<Port> {
+        self.scene.input(name).map(Port)
+    }
+
+    /// What a port takes: a position \[m\] or a force \[N\].
+    pub fn role(&self, port: Port) -> Option<InputRole> {
+        self.scene.inputs.get(port.0).map(|i| i.role)
+    }
+
+    /// Moves a live parameter to `value` \[SI\], or to the nearest end of its range, over so many samples (0 as 1), and returns
+    /// the value that it goes to. One that is no number, or that the scene cannot be computed with, leaves it as it was.
+    pub fn set(&mut self, param: Param, value: f64, over: u32) -> f64 {
+        let Some(p) = self.controls.params().get(param.0) else { return f64::NAN };
+        let (was, value) = (p.value, value.max(p.min).min(p.max));
+        if value.is_nan() || self.controls.turn(param.0, value, &mut self.patch).is_err() {
+            return was;
+        }
+        self.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
+        value
+    }
+
+    /// Takes a change that another thread computed, over so many samples; false where it is of another scene. What
+    /// [`Voice::params`] says does not follow.
+    pub fn apply(&mut self, patch: &Patch, over: u32) -> bool {
+        self.state.apply(patch, over.saturating_mul(self.scene.oversample()))
+    }
+
+    /// Gives a port a value that stays: absolute position \[m\], or force \[N\].
+    pub fn hold(&mut self, port: Port, value: f64) {
+        if let Some(input) = self.state.input.get_mut(port.0) {
+            *input = value;
+        }
+    }
+
+    /// Plays as many samples as the shortest of `out` has, a slice a channel, within ±1; channels that the scene does not have are
+    /// silent. `inputs` drive ports sample by sample; where one is shorter, its last sample stays, and of all other ports
+    /// what they had. A device port is read at the first sample of a gesture frame.
+    pub fn process(&mut self, inputs: &[(Port, &[f32])], out: &mut [&mut [f32]]) {
+        let n = out.iter().map(|channel| channel.len()).min().unwrap_or(0);
+        for i in 0..n {
+            for (port, samples) in inputs {
+                if let (Some(v), Some(input)) = (samples.get(i), self.state.input.get_mut(port.0)) {
+                    *input = f64::from(*v);
+                }
+            }
+            if !self.diverged {
+                compute_forces(&self.scene, &mut self.state);
+            }
+            if i + 1 == n {
+                self.feel();
+            }
+            for (k, channel) in out.iter_mut().enumerate() {
+                let sounds = !self.diverged && k < self.scene.channels;
+                channel[i] = if sounds { self.level.keep(k, self.state.output[k]) as f32 } else { 0.0 };
+            }
+            if !self.diverged {
+                integrate(&self.scene, &mut self.state);
+                self.diverged = self.state.tick.is_multiple_of(LOOK) && !self.state.is_bounded(DIVERGED);
+            }
+        }
+    }
+
+    /// The force on a position port at the last sample \[N\], of a device port that of the last whole frame; 0 on a force
+    /// port, and once it has diverged.
+    pub fn force(&self, port: Port) -> f64 {
+        self.felt.get(port.0).copied().unwrap_or(0.0)
+    }
+
+    /// Keeps the forces on all ports, before any mass moves.
+    fn feel(&mut self) {
+        for (felt, at) in self.felt.iter_mut().zip(&self.forces) {
+            let force = match at {
+                PortForce::Mat(m) => wide(self.state.f[*m]),
+                PortForce::Border(k) => self.state.border[*k].force,
+                PortForce::None => 0.0,
+            };
+            *felt = if self.diverged || !force.is_finite() { 0.0 } else { force };
+        }
+    }
+
+    /// How loud it was, and how much was cut off.
+    pub fn level(&self) -> &Level {
+        &self.level
+    }
+
+    /// True once it has diverged: silent from there on.
+    pub fn has_diverged(&self) -> bool {
+        self.diverged
+    }
+
+    /// Back to the beginning, live parameters too.
+    pub fn reset(&mut self) {
+        *self = Voice::new(self.scene.clone());
+    }
+
+    /// How it stands; [`State::to_bytes`] makes a snapshot of it.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Goes on from a snapshot of the same scene; allocates. Live parameters sound as they did there; what [`Voice::params`] says stays.
+    ///
+    /// # Errors
+    /// [`NotRestored`], and nothing has changed.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotRestored> {
+        self.state.restore(bytes)?;
+        self.diverged = !self.state.is_bounded(DIVERGED);
+        Ok(())
+    }
+}
