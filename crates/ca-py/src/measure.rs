@@ -3,7 +3,7 @@
 use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_compile::Options;
-use ca_compile::analysis::modes;
+use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::kind::Type;
 use ca_core::state::Ledger;
 use ca_lab::accuracy::{self, AccuracyOptions};
@@ -12,7 +12,7 @@ use ca_lab::{Failure, Found, catalog};
 use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 use std::borrow::Cow;
 
 /// The unit of a parameter; empty where it has none.
@@ -68,6 +68,53 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
     d.set_item("left_out", network.left_out.iter().map(|l| l.0.as_str()).collect::<Vec<_>>())?;
     d.set_item("approximate", all.approximate)?;
     Ok(d)
+}
+
+/// The linear part as a tick computes it: coefficients, rows of links, ports.
+pub fn linear<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
+    let found = py.detach(|| {
+        let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
+        ca_compile::linear_tick(&loaded.model, &catalog(), &options)
+            .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))
+    });
+    let network = found.map_err(|e| failure(py, e))?;
+    let linear = &network.linear;
+    let d = PyDict::new(py);
+    d.set_item("tick", network.tick_dt)?;
+    let dofs = |f: &dyn Fn(&Dof) -> f64| linear.dofs.iter().map(f).collect::<Vec<f64>>().into_pyarray(py);
+    d.set_item("mobility", dofs(&|p| p.c))?;
+    d.set_item("own_k", dofs(&|p| p.k))?;
+    d.set_item("own_z", dofs(&|p| p.z))?;
+    d.set_item("own_implicit", dofs(&|p| p.implicit))?;
+    let links = |f: &dyn Fn(&LinkRow) -> f64| linear.rows.iter().map(f).collect::<Vec<f64>>().into_pyarray(py);
+    d.set_item("link_k", links(&|r| r.k))?;
+    d.set_item("link_z", links(&|r| r.z))?;
+    d.set_item("link_implicit", links(&|r| r.implicit))?;
+    d.set_item("links", network.link_names.clone())?;
+    d.set_item("elongation", rows(py, linear.rows.iter().map(|r| linear.entries(r)))?)?;
+    for (name, role) in [("hears", "hears"), ("pushes", "pushes"), ("acts", "acts")] {
+        let of = || network.ports.iter().filter(|p| p.role == role);
+        let names: Vec<&str> = of().map(|p| p.name.as_str()).collect();
+        d.set_item(name, (names, rows(py, of().map(|p| &p.at[..]))?))?;
+    }
+    d.set_item("places", network.names.clone())?;
+    d.set_item("driven", network.driven.clone())?;
+    d.set_item("x", network.x.clone().into_pyarray(py))?;
+    d.set_item("v", network.v.clone().into_pyarray(py))?;
+    d.set_item("left_out", network.left_out.iter().map(|l| l.0.as_str()).collect::<Vec<_>>())?;
+    d.set_item("other_scheme", network.other_scheme)?;
+    Ok(d)
+}
+
+/// Rows of weights as three arrays: weights, places, first entry of each row.
+fn rows<'py, 'e>(py: Python<'py>, rows: impl Iterator<Item = &'e [(u32, f64)]>) -> PyResult<Bound<'py, PyTuple>> {
+    let (mut weights, mut places, mut first) = (Vec::new(), Vec::new(), vec![0_i64]);
+    for row in rows {
+        weights.extend(row.iter().map(|e| e.1));
+        places.extend(row.iter().map(|e| i64::from(e.0)));
+        first.push(places.len() as i64);
+    }
+    (weights.into_pyarray(py), places.into_pyarray(py), first.into_pyarray(py)).into_pyobject(py)
 }
 
 /// What is asked of a measurement of accuracy.

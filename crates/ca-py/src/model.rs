@@ -401,6 +401,12 @@ impl Model {
         measure::modes(py, &self.whole(), rate)
     }
 
+    /// See `cordis_anima.Scene.linear`.
+    #[pyo3(signature = (rate=None))]
+    fn linear<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
+        measure::linear(py, &self.whole(), rate)
+    }
+
     /// See `cordis_anima.Scene.accuracy`.
     #[pyo3(signature = (*, rate, seconds, probes, times, reference, progress))]
     #[allow(clippy::too_many_arguments)]

@@ -84,6 +84,12 @@ impl Scene {
         list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
     }
 
+    /// Probes: their names, and for each the selector that asked for it.
+    #[getter]
+    fn probes(&self) -> (Vec<String>, Vec<u32>) {
+        (self.compiled.probe_names.clone(), self.compiled.probe_of.clone())
+    }
+
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
     fn digest(&self, py: Python) -> PyResult<String> {
         let named = bytes::named(&self.loaded, self.compiled.rate).map_err(|e| failure(py, e))?;

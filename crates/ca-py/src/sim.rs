@@ -6,13 +6,14 @@
 use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_core::live::Controls;
+use ca_core::state::NotRestored;
 use ca_core::{State, compute_forces, integrate};
 use ca_io::perform::DIVERGED;
 use ca_io::sound::Level;
 use ca_lab::Failure;
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples between two looks at signals.
@@ -64,6 +65,39 @@ impl Running {
             PortForce::Border(k) => self.state.border[k].force,
         };
         if self.diverged || !force.is_finite() { 0.0 } else { force }
+    }
+
+    /// All of it as bytes: the state, then what stands beside it, eight bytes a number, lowest first.
+    fn to_bytes(&self) -> Vec<u8> {
+        let Level { peak, clipped, beyond, non_finite } = &self.level;
+        let values = self.controls.params().iter().map(|p| p.value).chain(peak.iter().copied()).map(f64::to_bits);
+        let counts = [*clipped, *beyond, *non_finite, u64::from(self.diverged)];
+        let mut bytes = self.state.to_bytes();
+        values.chain(counts).for_each(|v| bytes.extend(v.to_le_bytes()));
+        bytes
+    }
+
+    /// One that goes on from those bytes, or why there is none.
+    fn restored(scene: &ca_core::Scene, bytes: &[u8]) -> Result<Running, String> {
+        let mut running = Running::new(scene);
+        let damaged = || NotRestored::Damaged.to_string();
+        let names: Vec<String> = running.controls.params().iter().map(|p| p.name.clone()).collect();
+        let beside = 8 * (names.len() + running.level.peak.len() + 4);
+        let (state, beside) = bytes.split_at(bytes.len().saturating_sub(beside));
+        running.state.restore(state).map_err(|e| e.to_string())?;
+        let mut words = beside.as_chunks::<8>().0.iter().map(|w| u64::from_le_bytes(*w));
+        let mut next = || words.next().ok_or_else(damaged);
+        for name in &names {
+            // what it does to coefficients is in the state already
+            running.controls.set(name, f64::from_bits(next()?)).map_err(|_| damaged())?;
+        }
+        for peak in &mut running.level.peak {
+            *peak = f64::from_bits(next()?);
+        }
+        let Level { clipped, beyond, non_finite, .. } = &mut running.level;
+        (*clipped, *beyond, *non_finite) = (next()?, next()?, next()?);
+        running.diverged = next()? != 0;
+        Ok(running)
     }
 
     fn advance(&mut self, scene: &ca_core::Scene) {
@@ -118,14 +152,15 @@ impl Sim {
     }
 
     /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
-    /// them; `forces` (n x ports) is filled where it is given.
-    #[pyo3(signature = (inputs, audio, forces=None))]
+    /// them; `forces` (n x ports) and `probes` (n x probes) are filled where they are given.
+    #[pyo3(signature = (inputs, audio, forces=None, probes=None))]
     fn step(
         &self,
         py: Python,
         inputs: PyReadonlyArray2<f64>,
         mut audio: PyReadwriteArray2<f32>,
         mut forces: Option<PyReadwriteArray2<f64>>,
+        mut probes: Option<PyReadwriteArray2<f64>>,
     ) -> PyResult<()> {
         let (scene, ports) = (&*self.scene, &self.ports);
         let (n_in, channels) = (scene.inputs.len(), scene.channels);
@@ -137,10 +172,15 @@ impl Sim {
         if forces.as_ref().is_some_and(|f| f.shape() != [n, ports.len()]) {
             return Err(usage(py, &format!("forces must be ({n}, {})", ports.len())));
         }
+        let n_probes = scene.n_out - channels;
+        if probes.as_ref().is_some_and(|p| p.shape() != [n, n_probes]) {
+            return Err(usage(py, &format!("probes must be ({n}, {n_probes})")));
+        }
         // of an array without elements there is no view: its strides say nothing
         let given = (!inputs.is_empty()).then(|| inputs.as_array());
         let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
+        let mut probes = probes.as_mut().filter(|p| !p.is_empty()).map(|p| p.as_array_mut());
         let mut wait = Wait::new(None);
         self.with(py, |r| {
             for i in 0..n {
@@ -156,6 +196,9 @@ impl Sim {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
                         *to = r.level.keep(k, r.state.output[k]) as f32;
                     }
+                }
+                if let Some(probes) = &mut probes {
+                    probes.row_mut(i).iter_mut().zip(&r.state.output[channels..]).for_each(|(to, v)| *to = *v);
                 }
                 if let Some(forces) = &mut forces {
                     for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(ports) {
@@ -188,6 +231,24 @@ impl Sim {
     /// Back to the beginning.
     fn reset(&self, py: Python) {
         self.with(py, |r| *r = Running::new(&self.scene));
+    }
+
+    /// How it stands, as bytes.
+    fn state<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        let bytes = self.with(py, |r| r.to_bytes());
+        PyBytes::new(py, &bytes)
+    }
+
+    /// Goes on from such bytes of the same scene.
+    fn restore(&self, py: Python, bytes: &[u8]) -> PyResult<()> {
+        let done = self.with(py, |r| Running::restored(&self.scene, bytes).map(|restored| *r = restored));
+        done.map_err(|why| failure(py, Failure::Usage(why)))
+    }
+
+    /// What every input is given at present.
+    #[getter]
+    fn inputs(&self, py: Python) -> Vec<f64> {
+        self.with(py, |r| r.state.input.clone())
     }
 
     /// The energy ledger, where one is kept.

@@ -17,12 +17,13 @@ from typing import NamedTuple
 
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
+from ._linear import Linear, Rollout
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
 from ._scene import Curve, Gesture, Progress, Scene
-from ._sim import Block, Inputs, Sim
+from ._sim import Block, Inputs, Sim, Snapshot
 from ._sweep import Range, Sweep, sweep
 from ._take import Fault, Hand, Take, Verdict, record
 from ._view import View
@@ -45,6 +46,7 @@ __all__ = [
     "Hand",
     "Inputs",
     "Kind",
+    "Linear",
     "MissingError",
     "Model",
     "ModelError",
@@ -56,8 +58,10 @@ __all__ = [
     "Progress",
     "Range",
     "Render",
+    "Rollout",
     "Scene",
     "Sim",
+    "Snapshot",
     "Sweep",
     "Take",
     "UnstableError",

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from . import _core, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
+from ._linear import Linear, Rollout
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, length, number, reals, value
 from ._results import energy as _energy
@@ -311,8 +312,16 @@ class Scene:
                     raise UsageError(f"gesture `{name}` has the shape {values.shape}: (n,) samples, or (n, 2) times and values")
         return _core.Gesture.together([_core.Gesture(tracks), *files]) if files else _core.Gesture(tracks)
 
-    def open(self, *, block: int = 512, energy: bool = False) -> Sim:
+    def open(self, *, block: int = 512, energy: bool = False, probes: Sequence[str] = ()) -> Sim:
         """A running scene: block by block, or frame by frame with `block=1`. See `Sim`.
+
+        Args:
+            block: samples of a block where nothing says how many.
+            energy: keep the energy ledger, to be read from `Sim.energy` at any time.
+            probes: selectors to listen to besides, as for `render`; each block has them as `Block.probes`.
+
+        Raises:
+            ModelError: a probe that chooses nothing.
 
         >>> import cordis_anima as ca
         >>> with ca.load("hammered_string").open(block=64) as sim:
@@ -320,8 +329,11 @@ class Scene:
         >>> audio.shape, force.shape
         ((64, 2), (64, 1))
         """
-        core = self._model.compile(rate=self._asked[0], energy=True) if energy else self._compiled
-        return Sim(core, block)
+        probes = [probes] if isinstance(probes, str) else list(probes)
+        core = self._compiled
+        if probes or energy:
+            core = self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
+        return Sim(core, block, probes)
 
     # seen and touched
 
@@ -377,6 +389,51 @@ class Scene:
         """
         raw = self._model.modes(self._asked[0])
         return Modes(**_frozen(raw))
+
+    def linear(self) -> Linear:
+        """The linear part of the scene at load as sparse matrices, and a tick made of them. Needs SciPy: ``pip install
+        "cordis-anima[linear]"``.
+
+        >>> import cordis_anima as ca, numpy as np
+        >>> part = ca.load("harmonic_chain").linear()
+        >>> part.K.shape == part.M.shape == (len(part), len(part)), bool((part.M.diagonal() > 0).all())
+        (True, True)
+        """
+        return Linear._of(self._model.linear(self._asked[0]))
+
+    def rollout(
+        self,
+        masses: str | Sequence[str],
+        seconds: float | str | None = None,
+        *,
+        gesture: Gesture = None,
+        progress: Progress | None = None,
+    ) -> Rollout:
+        """Plays it and keeps where masses are at each sample, whether anything hears them or not.
+
+        Args:
+            masses: selectors of masses, e.g. ``"low[*]"`` or ``["hammer", "low[3]"]``.
+            seconds: as for `render`.
+            gesture: as for `render`.
+            progress: as for `render`.
+
+        Raises:
+            UsageError, FileError, ModelError: as for `render`; also where a selector chooses a link.
+
+        >>> import cordis_anima as ca
+        >>> moved = ca.load("hammered_string").rollout(["hammer", "low[*]"], 0.01)
+        >>> moved.x.shape == (480, len(moved.places)), moved.places[0]
+        (True, 'hammer')
+        """
+        asked = [masses] if isinstance(masses, str) else list(masses)
+        for selector in asked:
+            if self._unit(selector) != "m":
+                raise UsageError(f"`{selector}` is a force; a rollout keeps where masses are")
+        played = self.render(seconds, gesture=gesture, probes=asked, progress=progress)
+        columns = [played.probes[s].reshape(len(played.audio), -1) for s in asked]
+        places = tuple(name for s in asked for name in played.columns[s])
+        x = np.concatenate(columns, axis=1) if columns else np.empty((len(played.audio), 0))
+        return Rollout(places, x, self.rate, played.status)
 
     def accuracy(
         self,

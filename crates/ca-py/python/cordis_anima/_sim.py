@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Union
 
 import numpy as np
@@ -23,6 +24,31 @@ class Block(NamedTuple):
     audio: Sound
     #: force on each port that is moved, at each sample (n, ports) [N]; of a device port, that of the last whole frame
     force: Floats
+
+    @property
+    def probes(self) -> Mapping[str, Floats]:
+        """What `open(probes=…)` asked for, by selector: (n,), or (n, columns) where it chose several; positions [m], forces [N]."""
+        return {}
+
+
+class _Probed(Block):
+    """A block of a scene that was opened with probes."""
+
+    _heard: Mapping[str, Floats]
+
+    @property
+    def probes(self) -> Mapping[str, Floats]:
+        return self._heard
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """How a running scene stands between two samples, see `Sim.state`. It can be pickled, compared and used as a key."""
+
+    #: time that had passed in the scene [s]
+    time: float
+    #: all that decides the future, live parameters and the energy ledger with it
+    data: bytes = field(repr=False)
 
 
 class Live(MutableMapping[str, float]):
@@ -69,7 +95,7 @@ class Sim:
     (True, True)
     """
 
-    def __init__(self, core: _core.Scene, block: int) -> None:
+    def __init__(self, core: _core.Scene, block: int, probes: Sequence[str] = ()) -> None:
         if block < 1:
             raise UsageError(f"block = {block}: at least one sample")
         about = core.about()
@@ -92,6 +118,10 @@ class Sim:
         self._held = self._rest.copy()
         #: live parameters
         self.params = Live(self)
+        names, of = core.probes
+        # the columns of each selector
+        self._probes = {selector: [c for c, k in enumerate(of) if k == i] for i, selector in enumerate(probes)}
+        self._columns = len(names)
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -158,12 +188,17 @@ class Sim:
         given, n = self._given(inputs, n, out)
         audio = np.empty((n, len(self.channels)), dtype=np.float32) if out is None else out
         forces = np.empty((n, len(self._ports)), dtype=np.float64) if force is None else force
-        self._core.step(given, audio, forces)
+        heard = np.empty((n, self._columns), dtype=np.float64) if self._probes else None
+        self._core.step(given, audio, forces, heard)
         if len(given):
             # what had no value was reported once; what holds is the last that had one
             last = given[-1:]
             self._held = np.where(np.isfinite(last), last, self._held)
-        return Block(audio, forces)
+        if heard is None:
+            return Block(audio, forces)
+        block = _Probed(audio, forces)
+        block._heard = {s: heard[:, c[0]] if len(c) == 1 else heard[:, c] for s, c in self._probes.items()}
+        return block
 
     def _given(self, inputs: Inputs, n: int | None, out: Sound | None) -> tuple[Floats, int]:
         if n is None and out is not None:
@@ -198,6 +233,34 @@ class Sim:
         """Back to the beginning."""
         self._core.reset()
         self._held = self._rest.copy()
+
+    def state(self) -> Snapshot:
+        """How it stands: masses, motion, memory of laws, inputs, live parameters on their way, the energy ledger.
+
+        >>> import cordis_anima as ca, numpy as np, pickle
+        >>> scene = ca.load("hammered_string")
+        >>> with scene.open(block=4800) as sim:
+        ...     _ = sim.step({"key": 0.0})
+        ...     struck = pickle.loads(pickle.dumps(sim.state()))
+        ...     first = sim.step().audio
+        ...     sim.restore(struck)
+        ...     again = sim.step().audio
+        >>> bool((first == again).all()), struck.time
+        (True, 0.1)
+        """
+        return Snapshot(self.time, self._core.state())
+
+    def restore(self, state: Snapshot) -> None:
+        """Goes back, or on, to a snapshot of the same scene: what follows is what followed there, to the bit. The scene may have been
+        opened in another process or on another machine.
+
+        Raises:
+            UsageError: it is of another scene (another model, values, rate, probes or ``energy``), or damaged; nothing has changed.
+        """
+        if not isinstance(state, Snapshot):
+            raise UsageError(f"a snapshot is what `Sim.state()` gives, not {type(state).__name__}")
+        self._core.restore(state.data)
+        self._held = np.array([self._core.inputs], dtype=np.float64).reshape(self._rest.shape)
 
     def __iter__(self) -> Iterator[Block]:
         """Blocks without end, with the inputs as they stand."""

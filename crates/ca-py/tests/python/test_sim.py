@@ -188,3 +188,54 @@ def test_threads_wait_for_each_other(key: ca.Scene) -> None:
         seen.append((sim.time, sim.status))
     other.join()
     assert sim.time == 100_000 / 48000 and all(t in (0, sim.time) for t, _ in seen)
+
+
+def test_a_snapshot_goes_on_anywhere(key: ca.Scene) -> None:
+    with key.open(block=400, energy=True, probes=["strike", "low[*]"]) as sim:
+        sim.set("grip", 5000, over="20 ms")
+        sim.step({"hand": 0.001, "key": 0.0005})
+        there = sim.state()
+        last = sim.step(n=800)
+        energy = sim.energy
+    assert there == pickle.loads(pickle.dumps(there)) and hash(there) == hash(pickle.loads(pickle.dumps(there)))
+    assert there.time == pytest.approx(400 / key.sr) and len(repr(there)) < 60
+    again = pickle.loads(pickle.dumps(key)).open(energy=True, probes=["strike", "low[*]"])
+    again.step({"hand": 0.1}, n=77)
+    again.restore(pickle.loads(pickle.dumps(there)))
+    assert again.time == there.time and again.params["grip"] == 5000 and again.state() == there
+    # inputs that are not given keep the values they had there
+    block = again.step(n=800)
+    assert np.array_equal(block.audio, last.audio) and np.array_equal(block.force, last.force)
+    for probe in ["strike", "low[*]"]:
+        assert np.array_equal(block.probes[probe], last.probes[probe]) and np.abs(block.probes[probe]).max() > 0
+    assert again.energy is not None and energy is not None
+    assert again.energy.work == energy.work and again.energy.stored == energy.stored
+    # other scenes refuse it, and stay as they are
+    for other in [key.open(), key.replace({"low.m": "2 g"}).open(energy=True, probes=["strike", "low[*]"])]:
+        before = other.state()
+        with pytest.raises(ca.UsageError, match="another scene"):
+            other.restore(there)
+        assert other.state() == before
+    for data in [b"", b"nothing", there.data[:-1], there.data[:100], there.data + b"0"]:
+        with pytest.raises(ca.UsageError):
+            again.restore(ca.Snapshot(0.0, data))
+    with pytest.raises(ca.UsageError, match="Sim.state"):
+        again.restore(there.data)  # type: ignore[arg-type]
+
+
+def test_probes_of_a_stream_are_those_of_a_render(key: ca.Scene) -> None:
+    asked = ["strike", "low[3]", "low[*]"]
+    r = key.render(0.05, gesture={"key": 0.001, "hand": 0.0}, probes=asked)
+    n = len(r.audio)
+    with key.open(block=n // 3, probes=asked) as sim:
+        blocks = [sim.step({"key": 0.001, "hand": 0.0}, n=m) for m in (n // 3, n // 3, n - 2 * (n // 3))]
+    for probe in asked:
+        whole = np.concatenate([b.probes[probe] for b in blocks])
+        assert whole.shape == r.probes[probe].shape
+        # a device port holds what it is given from the first sample of a frame, and of a render is read for its end
+        assert np.array_equal(whole, r.probes[probe]), probe
+    audio, force = key.open().step()
+    assert key.open().step().probes == {} and audio.shape[1] == force.shape[1] == 2
+    with pytest.raises(ca.ModelError):
+        key.open(probes=["nothing"])
+    assert list(key.open(probes="strike").step(n=4).probes) == ["strike"]

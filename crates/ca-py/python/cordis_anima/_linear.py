@@ -1,0 +1,178 @@
+"""The linear part of a scene as sparse matrices, and where its masses go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import UsageError
+from ._results import Floats, Status
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """The linear part of a scene at load, as matrices (``scipy.sparse.csr_array``) over `places`.
+
+    With x the displacements, d the motion of the last tick and F forces, a tick solves::
+
+        (M / T² + N) u = F − K x − Z d / T,    d ← d + u,    x ← x + d
+
+    where the coefficients are those that the scene computes with, so `tick` is that of the scene to rounding. What is not linear is
+    not in it; `left_out` names it, and `acts` says where its forces go.
+    """
+
+    #: the tick T [s]
+    T: float
+    #: names of the places: one of each axis of each mass
+    places: tuple[str, ...]
+    #: names of the places that position ports move
+    driven: tuple[str, ...]
+    #: names of the links, a row each
+    links: tuple[str, ...]
+    #: stored coefficient of each place, T²/m [m/N]
+    mobility: Floats
+    #: spring of each place to the ground [N/m], and its viscosity [N per m/tick]
+    own_k: Floats
+    own_z: Floats
+    #: stored coefficients of each link: stiffness [N/m] and viscosity [N per m/tick]
+    link_k: Floats
+    link_z: Floats
+    #: elongation of each link by places and, behind them, driven places (links, places + driven)
+    B: Any
+    #: mass (places, places) [kg]
+    M: Any
+    #: stiffness [N/m]
+    K: Any
+    #: viscosity [N s/m]
+    Z: Any
+    #: inertia that implicit methods add, over T² [N/m]
+    N: Any
+    #: stiffness [N/m] and viscosity [N s/m] between places and driven places (places, driven)
+    K_driven: Any
+    Z_driven: Any
+    #: names and places of force ports (ports, places): weights of a force
+    pushes: tuple[tuple[str, ...], Any]
+    #: names and places of outputs that hear displacement, before their gain (outputs, places)
+    hears: tuple[tuple[str, ...], Any]
+    #: names and places of links that are not linear (links, places): elongation
+    acts: tuple[tuple[str, ...], Any]
+    #: displacement [m] and speed [m/s] of each place at load
+    x: Floats
+    v: Floats
+    #: links that are not linear, and so not in it
+    left_out: tuple[str, ...]
+    #: what in the model moves in another way than by these matrices, if anything does
+    other_scheme: str | None
+
+    @classmethod
+    def _of(cls, raw: dict[str, Any]) -> Linear:
+        try:
+            from scipy import sparse
+        except ImportError:
+            raise UsageError('matrices need SciPy: pip install "cordis-anima[linear]"') from None
+        places, driven = tuple(raw["places"]), tuple(name for name in raw["driven"])
+        n, T = len(places), float(raw["tick"])
+
+        def rows(parts: Any) -> Any:
+            return sparse.csr_array(parts, shape=(len(parts[2]) - 1, n + len(driven)))
+
+        def named(parts: tuple[list[str], Any]) -> tuple[tuple[str, ...], Any]:
+            return tuple(parts[0]), rows(parts[1])[:, :n]
+
+        B = rows(raw["elongation"])
+        moving = B[:, :n]
+
+        def between(by: Floats, own: Floats) -> Any:
+            return sparse.csr_array(moving.T @ sparse.diags_array(by) @ moving + sparse.diags_array(own))
+
+        def across(by: Floats) -> Any:
+            return sparse.csr_array(moving.T @ sparse.diags_array(by) @ B[:, n:])
+
+        k, z = raw["link_k"], raw["link_z"]
+        return cls(
+            T=T,
+            places=places,
+            driven=tuple("" if name is None else name for name in driven),
+            links=tuple(raw["links"]),
+            mobility=raw["mobility"],
+            own_k=raw["own_k"],
+            own_z=raw["own_z"],
+            link_k=k,
+            link_z=z,
+            B=B,
+            M=sparse.csr_array(sparse.diags_array(T * T / raw["mobility"])),
+            K=between(k, raw["own_k"]),
+            Z=between(T * z, T * raw["own_z"]),
+            N=between(raw["link_implicit"], raw["own_implicit"]),
+            K_driven=across(k),
+            Z_driven=across(T * z),
+            pushes=named(raw["pushes"]),
+            hears=named(raw["hears"]),
+            acts=named(raw["acts"]),
+            x=raw["x"],
+            v=raw["v"],
+            left_out=tuple(raw["left_out"]),
+            other_scheme=raw["other_scheme"],
+        )
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def __repr__(self) -> str:
+        return f"<Linear: {len(self)} places, {len(self.links)} links, {len(self.driven)} driven, {len(self.left_out)} left out>"
+
+    def tick(
+        self,
+        x: npt.ArrayLike,
+        d: npt.ArrayLike,
+        force: npt.ArrayLike = 0.0,
+        driven: tuple[npt.ArrayLike, npt.ArrayLike] = (0.0, 0.0),
+    ) -> tuple[Floats, Floats]:
+        """One tick: displacements and motion after it.
+
+        Args:
+            x: displacements [m] (places,), or of several states side by side (places, states).
+            d: motion in the tick before [m], alike; at load `v` times `T`.
+            force: force on each place [N].
+            driven: displacement of each driven place [m], and its motion in this tick [m].
+
+        Raises:
+            UsageError: some group does not move by forces at places, see `other_scheme`.
+        """
+        from scipy.sparse.linalg import spsolve
+
+        if self.other_scheme is not None:
+            raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick is none of these matrices")
+        x, d = np.asarray(x, dtype=np.float64), np.asarray(d, dtype=np.float64)
+        at, moves = (np.broadcast_to(np.asarray(v, dtype=np.float64), (len(self.driven), *x.shape[1:])) for v in driven)
+        pull = self.K @ x + self.Z @ d / self.T + self.K_driven @ at + self.Z_driven @ moves / self.T
+        total = np.asarray(force, dtype=np.float64) - pull
+        if self.N.count_nonzero():
+            u = spsolve((self.M / self.T**2 + self.N).tocsc(), total).reshape(x.shape)
+        else:
+            u = (total.T * self.mobility).T
+        d = d + u
+        return x + d, d
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """Where masses were at each sample."""
+
+    #: names of the columns
+    places: tuple[str, ...]
+    #: displacement from rest (n, places) [m]
+    x: Floats
+    #: samples a second [Hz]
+    rate: float
+    #: as of a `Render`
+    status: Status
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __repr__(self) -> str:
+        return f"<Rollout: {len(self)} samples of {len(self.places)} places at {self.rate:g} Hz, {self.status}>"

@@ -1,0 +1,105 @@
+"""The linear part as matrices: the numbers that a tick computes with, and the tick itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cordis_anima as ca
+
+#: cells, masses, springs, dampers, a port and a force on a line; a link that is not linear
+LINE = """
+[MAS]
+a = { m = "2 g", dx0 = "1 mm" }
+b = { m = "3 g", v = "0.1 m/s" }
+[CEL]
+c = { m = "1 g", f = "330 Hz", t60 = "0.3 s" }
+[SOL]
+wall = {}
+[ENX]
+hand = {}
+[ENF]
+push = { to = "b" }
+[REF]
+one = { between = ["wall", "a"], k = "3 kN/m", z = "0.05 N s/m" }
+two = { between = ["a", "b"], k = "1.3 kN/m", z = "0.02 N s/m" }
+hold = { between = ["hand", "c"], k = "700 N/m", z = "0.1 N s/m" }
+[RES]
+three = { between = ["b", "c"], k = "2.1 kN/m"METHOD }
+[FRO]
+rub = { between = ["c", "a"], z = "0.01 N s/m" }
+[SOX]
+out = { from = "a" }
+sum = { from = ["a", "c"] }
+"""
+
+
+@pytest.mark.parametrize("method", ["", ', method = "implicit"'])
+def test_a_tick_by_matrices_is_that_of_the_scene(method: str) -> None:
+    scene = ca.parse(LINE.replace("METHOD", method))
+    part = scene.linear()
+    assert part.places == ("a", "b", "c") and part.driven == ("hand",) and part.left_out == ()
+    assert part.links == ("one", "two", "hold", "three", "rub") and part.other_scheme is None
+    assert (part.N.count_nonzero() > 0) == bool(method)
+    n = 400
+    hand, push = 1e-3 * np.sin(np.arange(n) / 9), 0.3 * np.cos(np.arange(n) / 7)
+    moved = scene.rollout(["a", "b", "c"], n / scene.rate, gesture={"hand": hand, "push": push})
+    assert moved.x.shape == (n, 3) and moved.places == ("a", "b", "c") and len(moved) == n
+    x, d = part.x, part.v * part.T
+    assert np.allclose(moved.x[0], x, atol=0)
+    force = part.pushes[1].toarray()[0]
+    assert part.pushes[0] == ("push",) and list(force) == [0, 1, 0]
+    largest = 0.0
+    for i in range(n - 1):
+        motion = hand[i] - hand[i - 1] if i else 0.0
+        x, d = part.tick(x, d, force * push[i], ([hand[i]], [motion]))
+        largest = max(largest, np.abs(x - moved.x[i + 1]).max())
+    assert largest <= 1e-12 * np.abs(moved.x).max(), largest
+    # several states at once are each by itself
+    two = part.tick(np.stack([x, 2 * x], 1), np.stack([d, 2 * d], 1))[0]
+    assert np.allclose(two[:, 1], 2 * two[:, 0], rtol=1e-14)
+
+
+def test_coefficients_are_those_stored() -> None:
+    part = ca.parse(LINE.replace("METHOD", "")).linear()
+    T = 1 / 48000
+    assert part.T == T and list(part.mobility[:2]) == [T * T / 0.002, T * T / 0.003]
+    assert list(part.link_k) == [3000, 1300, 700, 2100, 0]
+    # viscosity is stored a tick
+    assert list(part.link_z) == [0.05 / T, 0.02 / T, 0.1 / T, 0, 0.01 / T]
+    assert part.K.shape == (3, 3) and np.array_equal(part.K.toarray(), part.K.toarray().T)
+    assert part.K.toarray()[0, 1] == -1300 and part.K.toarray()[1, 1] == 1300 + 2100
+    assert part.K_driven.toarray().tolist() == [[0.0], [0.0], [-700.0]]
+    assert np.allclose(part.M.diagonal(), [0.002, 0.003, 0.001], rtol=1e-15)
+    assert part.hears[0] == ("out", "sum") and part.hears[1].toarray().tolist() == [[1, 0, 0], [1, 0, 1]]
+    assert repr(part) == "<Linear: 3 places, 5 links, 1 driven, 0 left out>"
+
+
+def test_the_matrices_have_the_modes() -> None:
+    from scipy.linalg import eigh
+
+    scene = ca.load("harmonic_chain")
+    part, modes = scene.linear(), scene.modes()
+    squares = eigh(part.K.toarray(), part.M.toarray(), eigvals_only=True)
+    f = np.sqrt(np.maximum(squares, 0)) / (2 * np.pi)
+    # `f` is without damping; 1e-6 where some is
+    assert np.allclose(np.sort(f), np.sort(modes.f), rtol=1e-4)
+
+
+def test_what_is_not_linear_is_named() -> None:
+    part = ca.load("hammered_string").linear()
+    assert "strike" in part.left_out and "strike" in part.acts[0]
+    assert abs(part.acts[1][[part.acts[0].index("strike")]].toarray()).sum() > 0
+    modal = ca.parse("[low]\nmethod = \"modal\"\n[low.STRING]\nbass = { n = 8, f = 110, t60 = 1, m = \"1 g\" }\n[SOX]\nout = { from = \"low.bass[2]\" }\n")
+    assert modal.linear().other_scheme == 'method = "modal"'
+    with pytest.raises(ca.UsageError, match="modal"):
+        modal.linear().tick(np.zeros(8), np.zeros(8))
+
+
+def test_a_rollout_is_where_masses_are(key: ca.Scene) -> None:
+    r = key.render(0.02, probes=["low[*]"], gesture={"key": 0.001, "hand": 0.0})
+    moved = key.rollout("low[*]", 0.02, gesture={"key": 0.001, "hand": 0.0})
+    assert np.array_equal(moved.x, r.probes["low[*]"]) and moved.places == r.columns["low[*]"]
+    assert moved.status == r.status and moved.rate == key.rate and "samples of 40 places" in repr(moved)
+    with pytest.raises(ca.UsageError, match="force"):
+        key.rollout("strike", 0.01)
