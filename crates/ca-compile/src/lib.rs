@@ -33,9 +33,9 @@ mod options;
 mod passes;
 mod split;
 
+pub use compile::{Compiled, compile, halves, measured};
 #[cfg(feature = "analysis")]
 pub use compile::{linear, linear_tick};
-pub use compile::{Compiled, compile, halves, measured};
 pub use emit::cost;
 #[cfg(feature = "parse")]
 pub use load::load;
