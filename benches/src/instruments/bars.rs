@@ -189,7 +189,7 @@ pub static ALL: &[Instrument] = &[
                 says: "loud notes are brighter",
                 shows: "centroid of D5 struck in 8 ms over that in 30 ms: {}",
                 measure: |p| p.colour(LOUD_D5.at(0.08, 0.44)) / p.colour(SOFT_D5.at(0.08, 0.44)),
-                keeps: [1.1, NEVER_MORE],
+                keeps: [1.5, NEVER_MORE],
             },
             Claim {
                 says: "throws a mallet, which strikes once",
@@ -198,8 +198,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [1.0, 1.0],
             },
         ],
-        remark: "The air is heard most and gives each note its body; the low bars brighten little between soft and loud, the high ones \
-                 clearly.",
+        remark: "The air is heard most and gives each note its body; a soft stroke is little more than the first partial, a loud one has the \
+                 wood's ring for a third of a second.",
         ..Instrument::new("marimba")
     },
 ];
