@@ -48,6 +48,7 @@ pub mod live_midi;
 pub mod perform;
 pub mod probe;
 pub mod reading;
+pub mod recording;
 pub mod sound;
 
 pub use error::{FileError, FileErrorKind};

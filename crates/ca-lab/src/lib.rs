@@ -7,6 +7,7 @@
 pub mod accuracy;
 pub mod bench;
 pub mod bytes;
+pub mod fit;
 pub mod gesture;
 pub mod load;
 mod pitch;

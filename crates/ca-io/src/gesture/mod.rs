@@ -24,7 +24,7 @@ mod midi_port;
 mod npy;
 mod smf;
 mod track;
-mod wav;
+pub(crate) mod wav;
 
 pub use midi_port::{Glide, MidiPort};
 pub(crate) use track::check_rate;

@@ -10,6 +10,13 @@ use hound::{SampleFormat, WavReader};
 
 /// Reads a WAV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
+    let (rate, channels) = channels(bytes)?;
+    let tracks = channels.into_iter().enumerate().map(|(c, v)| Track::sampled(format!("ch{c}"), rate, v));
+    Gesture::new(tracks.collect::<Result<_, _>>()?)
+}
+
+/// The rate \[Hz\] of a WAV file and the samples of each of its channels.
+pub(crate) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> {
     let mut file = WavReader::new(bytes).map_err(|e| explain(&e))?;
     let spec = file.spec();
     if spec.sample_rate == 0 {
@@ -28,9 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
         }
         SampleFormat::Float => spread(&mut channels, file.samples::<f32>().map(|s| s.map(f64::from)))?,
     }
-    let rate = f64::from(spec.sample_rate);
-    let tracks = channels.into_iter().enumerate().map(|(c, v)| Track::sampled(format!("ch{c}"), rate, v));
-    Gesture::new(tracks.collect::<Result<_, _>>()?)
+    Ok((f64::from(spec.sample_rate), channels))
 }
 
 /// Deals interleaved samples out to their channels.

@@ -12,6 +12,7 @@ pub mod plan;
 mod table;
 
 pub use audio::{Audio, flac16};
+pub(crate) use axis::number;
 pub use axis::{Axis, Space};
 pub use table::{Column, RunTable};
 

@@ -1,0 +1,106 @@
+//! A page about a fit: the recording, the model before and after, and what is left.
+
+use super::{Distance, Fit, Fitted, Stage, target};
+use ca_model::quantity::{Plain, six};
+use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound, Spectrum, Table, Weight, spectrogram};
+
+/// One point of a level over time \[s\].
+const BLOCK: f64 = 0.01;
+
+impl Fitted {
+    /// Its uncertainty, two standard deviations, in words.
+    pub fn uncertainty(&self) -> String {
+        match self.deviation {
+            Some(d) => {
+                let part = 200.0 * d / self.value.abs();
+                let part = if part.is_finite() { format!(" ({:.1e} %)", part) } else { String::new() };
+                let unit = &self.varied.unit;
+                format!("± {} {unit}{part}", Plain(two(2.0 * d))).replace("  ", " ")
+            }
+            None => "not determined by this sound".into(),
+        }
+    }
+}
+
+/// Two digits.
+pub(super) fn two(v: f64) -> f64 {
+    ca_model::quantity::rounded(v, 2)
+}
+
+fn distance(d: &Distance) -> Vec<String> {
+    vec![format!("{:.2} dB", d.levels), format!("{:.2} dB", d.samples)]
+}
+
+fn row(name: &str, d: &Distance) -> Vec<String> {
+    std::iter::once(name.to_owned()).chain(distance(d)).collect()
+}
+
+/// The page of a fit of a model to a recording of this name.
+pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
+    let mut report = Report::new(&format!("{name}, fitted"), &format!("to `{target}`, by {} renders", fit.renders));
+    for f in fit.fitted.iter().filter(|f| f.deviation.is_none()) {
+        report.notes.push((Weight::Note, format!("`{}` is not determined by this sound", f.varied.name)));
+    }
+    let numbers = fit.fitted.iter().map(|f| {
+        let v = &f.varied;
+        vec![v.name.clone(), v.shown(v.start), v.shown(f.value), f.uncertainty()]
+    });
+    let numbers = Table::new(&["number", "before", "after", "two standard deviations"], numbers.collect());
+    let mut distances = vec![row("before", &fit.before), row("after", &fit.after)];
+    let mut blocks = vec![Block::Table(numbers)];
+    if let Some(b) = &fit.beyond {
+        distances.push(row(&format!("after, in the {:.2} s that were not fitted", b.seconds), &b.model));
+        distances.push(row(&format!("there, {} damped sinusoids with as many numbers", b.count), &b.sinusoids));
+    }
+    blocks.push(Block::Table(Table::new(&["distance", "levels", "what is left of the samples"], distances)));
+    let how = match fit.stage {
+        Stage::Samples => format!("Samples decided, over {:.3} s", fit.phase),
+        Stage::Levels => "Levels decided: phases do not agree".into(),
+    };
+    let ms = Plain(six(1e3 * fit.delay));
+    blocks.push(Block::Text(format!("{how}. Gain {}, delay {ms} ms.", Plain(six(fit.gain)))));
+    report.sections.push(Section::new("Result", blocks));
+
+    let shown = &fit.shown;
+    let one = |s: &target::Samples| target::mixed(s).into_iter().next().unwrap_or_default();
+    let [recording, before, after] = [&shown.target, &shown.before, &shown.after].map(one);
+    let names = ["recording", "before", "after"].map(String::from);
+    let mut sound = Sound::new(shown.rate, &names);
+    // loud enough to be heard, and all alike
+    let loudest = recording.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE);
+    let by = 0.5 / loudest;
+    for ((r, b), a) in recording.iter().zip(&before).zip(&after) {
+        sound.push(&[by * r, by * b, by * a]);
+    }
+    let spectrum = Spectrum::of(&sound).and_then(|s| s.plot(&names, Vec::new()));
+    let mut blocks: Vec<Block> = spectrum.into_iter().map(Block::Plot).collect();
+    for (name, samples) in names.iter().zip([&recording, &before, &after]) {
+        let mut one = Sound::new(shown.rate, std::slice::from_ref(name));
+        samples.iter().for_each(|x| one.push(&[by * x]));
+        if let Some(plot) = spectrogram(&one) {
+            blocks.push(Block::Plot(Plot { title: format!("{}: {name}", plot.title), ..plot }));
+        }
+    }
+    blocks.insert(0, Block::Sound(sound));
+    report.sections.push(Section::new("Before and after", blocks));
+
+    let size = ((BLOCK * shown.rate) as usize).max(1);
+    let level = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+        let n = recording.len() / size;
+        let power = |k: usize| (k * size..(k + 1) * size).map(|i| of(i) * of(i)).sum::<f64>() / size as f64;
+        (0..n).map(|k| 10.0 * libm::log10((by * by * power(k)).max(1e-15))).collect()
+    };
+    let curves = vec![
+        Curve::line("recording", level(&|i| recording[i])),
+        Curve::line("left before", level(&|i| recording[i] - before[i])),
+        Curve::line("left after", level(&|i| recording[i] - after[i])),
+    ];
+    let n = recording.len() / size;
+    let step = size as f64 / shown.rate;
+    let grid = Grid::Even { start: 0.5 * step, step, n };
+    let plot = Plot::over_time("What is left over time", Axis::linear("level", "dB"), grid, curves);
+    let until = shown.fitted as f64 / shown.rate;
+    let text = format!("Up to {until:.3} s it was fitted; what comes later was predicted.");
+    report.sections.push(Section::new("What is left", vec![Block::Plot(plot), Block::Text(text)]));
+    report
+}

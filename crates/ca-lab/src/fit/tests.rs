@@ -1,0 +1,227 @@
+//! Numbers hidden in a sound are found again, and what cannot be found is said.
+
+use super::{FitOptions, Range, Stage, fit};
+use crate::Failure;
+use crate::load::{self, Loaded};
+use ca_compile::Options;
+use ca_io::perform::Performance;
+use ca_io::recording::Recording;
+use ca_model::Value;
+
+const RATE: f64 = 48_000.0;
+
+/// The string of the README.
+const MINE: &str = r#"
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "4 s", m = "1 g" }
+[MAS]
+hammer = { m = "20 g", x = "-5 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[8]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+left = { from = "low[3]", gain = 800 }
+right = { from = "low@0.7", gain = 800 }
+"#;
+
+const HIDDEN: [&str; 3] = ["low.f", "low.t60", "hammer.m"];
+
+fn model(text: &str, values: &[(&str, f64)]) -> Loaded {
+    let mut loaded = Loaded::read(text, "mine.ca.toml");
+    for (name, v) in values {
+        let unit = match name.rsplit_once('.').map(|n| n.1) {
+            Some("f") => "Hz",
+            Some("m") => "kg",
+            _ => "s",
+        };
+        load::set(&mut loaded, name, Value::Text(format!("{v:e} {unit}"))).unwrap();
+    }
+    loaded
+}
+
+fn recorded(loaded: &Loaded, seconds: f64) -> Recording {
+    let scene = load::scene(loaded, &Options { rate: Some(RATE), ..Options::default() }).unwrap().scene;
+    let mut p = Performance::new(&scene, None).unwrap();
+    let mut channels = vec![Vec::new(); scene.channels];
+    for _ in 0..(seconds * RATE) as usize {
+        p.tick();
+        // as a file keeps it
+        channels.iter_mut().zip(&p.state.output).for_each(|(c, x)| c.push(f64::from(*x as f32)));
+    }
+    Recording { rate: RATE, channels }
+}
+
+/// Numbers from 0 up to 1, the same everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+    fn between(&mut self, from: f64, to: f64) -> f64 {
+        from * (to / from).powf(self.next())
+    }
+    fn either(&mut self) -> f64 {
+        if self.next() < 0.5 { -1.0 } else { 1.0 }
+    }
+}
+
+fn options<'a>(
+    vary: &'a [String],
+    ranges: &'a [Range],
+    progress: &'a mut dyn FnMut(u32, u32) -> bool,
+) -> FitOptions<'a> {
+    FitOptions { vary, ranges, seconds: None, gain: None, renders: 60, gesture: None, progress }
+}
+
+fn names(all: &[&str]) -> Vec<String> {
+    all.iter().map(|n| (*n).to_owned()).collect()
+}
+
+fn failure(loaded: &Loaded, recording: &Recording, vary: &[&str]) -> String {
+    let vary = names(vary);
+    let go = &mut |_, _| true;
+    match fit(loaded, recording, &mut options(&vary, &[], go)).err() {
+        Some(Failure::Usage(what) | Failure::Failed(what)) => what,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A second of sound, from a start a semitone off and a factor of two elsewhere: 0.1 cent, 1 %, 2 %, in fewer than 60 renders.
+#[test]
+fn a_hidden_string_is_found() {
+    let vary = names(&HIDDEN);
+    for seed in 0..6_u64 {
+        let mut drawn = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        (0..8).for_each(|_| drop(drawn.next()));
+        let truth = [drawn.between(80.0, 220.0), drawn.between(1.0, 7.0), drawn.between(0.004, 0.04)];
+        let mut recording = recorded(&model(MINE, &[0, 1, 2].map(|k| (HIDDEN[k], truth[k]))), 1.0);
+        if seed == 5 {
+            // noise of -60 dB beside the sound
+            let power: f64 = recording.channels.iter().flatten().map(|x| x * x).sum();
+            let size = (power / (2.0 * RATE)).sqrt() * 1e-3 * 12_f64.sqrt();
+            recording.channels.iter_mut().flatten().for_each(|x| *x += size * (drawn.next() - 0.5));
+        }
+        // a factor of two, or up to it
+        let mut far = || if seed % 2 == 0 { drawn.either() } else { drawn.either() * drawn.next() };
+        let off = [far(), far()].map(f64::exp2);
+        let off = [(drawn.either() / 12.0).exp2(), off[0], off[1]];
+        let start = model(MINE, &[0, 1, 2].map(|k| (HIDDEN[k], truth[k] * off[k])));
+        let mut seen = 0;
+        let go = &mut |n, _| {
+            seen = n;
+            true
+        };
+        let found = fit(&start, &recording, &mut options(&vary, &[], go)).unwrap_or_else(|e| panic!("{e:?}"));
+        let value = |k: usize| found.fitted[k].value;
+        let cents = 1200.0 * (value(0) / truth[0]).log2();
+        let (t60, m) = (value(1) / truth[1] - 1.0, value(2) / truth[2] - 1.0);
+        println!(
+            "seed {seed}: {cents:.5} cents, t60 {:.4} %, m {:.4} %, {} renders",
+            1e2 * t60,
+            1e2 * m,
+            found.renders
+        );
+        assert!(cents.abs() < 0.1 && t60.abs() < 0.01 && m.abs() < 0.02, "seed {seed}: {cents} {t60} {m}");
+        assert!(found.renders < 60 && found.renders == seen, "{} {seen}", found.renders);
+        assert_eq!(found.stage, Stage::Samples);
+        assert!(found.after.levels < 0.1 * found.before.levels);
+        for (f, truth) in found.fitted.iter().zip(truth) {
+            // what is said of the error holds of it, or it is the rounding of the file
+            let d = f.deviation.unwrap();
+            assert!((f.value - truth).abs() < (4.0 * d).max(1e-6 * truth), "{}: {} ± {d}", f.varied.name, f.value);
+        }
+    }
+}
+
+#[test]
+fn the_same_fit_gives_the_same_bits() {
+    let vary = names(&["low.f"]);
+    let recording = recorded(&model(MINE, &[("low.f", 113.0)]), 0.3);
+    let once = || fit(&model(MINE, &[]), &recording, &mut options(&vary, &[], &mut |_, _| true)).unwrap();
+    let (a, b) = (once(), once());
+    assert_eq!(a.fitted[0].value.to_bits(), b.fitted[0].value.to_bits());
+    assert_eq!(a.fitted[0].deviation.map(f64::to_bits), b.fitted[0].deviation.map(f64::to_bits));
+    assert!((1200.0 * (a.fitted[0].value / 113.0).log2()).abs() < 0.1);
+    assert_eq!(a.loaded.model.items.len(), 5);
+}
+
+#[test]
+fn ranges_hold() {
+    let vary = names(&["low.f"]);
+    let recording = recorded(&model(MINE, &[("low.f", 116.0)]), 0.3);
+    let ranges = [Range { name: "low.f".into(), ends: [Value::Num(100.0), Value::Text("112 Hz".into())] }];
+    let found = fit(&model(MINE, &[]), &recording, &mut options(&vary, &ranges, &mut |_, _| true)).unwrap();
+    let f = &found.fitted[0];
+    assert!((100.0..=112.0).contains(&f.value), "{}", f.value);
+    let [a, b] = [120.0, 130.0].map(Value::Num);
+    let ranges = [Range { name: "low.f".into(), ends: [a, b] }];
+    let e = fit(&model(MINE, &[]), &recording, &mut options(&vary, &ranges, &mut |_, _| true)).err();
+    assert!(matches!(&e, Some(Failure::Usage(w)) if w.contains("starts at 110 Hz")), "{e:?}");
+}
+
+/// With a free gain all masses and stiffnesses together are not heard, and a hammer that never arrives is not at all.
+#[test]
+fn what_the_sound_does_not_determine_is_said() {
+    let late = MINE.replace("x = \"-5 mm\", v = \"1 m/s\"", "x = \"-9 m\", v = \"0 m/s\"");
+    let late = format!(
+        "{late}[ENF]\npull = {{ to = \"low[8]\" }}\n[gesture]\npull = [[0, 0], [0.01, \"1 N\"], [0.0101, 0]]\n"
+    );
+    let recording = recorded(&model(&late, &[("low.f", 112.0)]), 0.3);
+    let vary = names(&["low.f", "hammer.m"]);
+    let found = fit(&model(&late, &[]), &recording, &mut options(&vary, &[], &mut |_, _| true)).unwrap();
+    assert!(found.fitted[0].deviation.is_some() && found.fitted[1].deviation.is_none(), "{:?}", found.fitted);
+    assert!((1200.0 * (found.fitted[0].value / 112.0).log2()).abs() < 0.1);
+    assert!(found.fitted[1].uncertainty().contains("not determined"));
+}
+
+/// What was not fitted is predicted: by the model that made it to the bit of the file, by sinusoids not.
+#[test]
+fn what_is_not_fitted_is_predicted() {
+    let vary = names(&["low.f"]);
+    let recording = recorded(&model(MINE, &[("low.f", 113.0)]), 0.8);
+    let go = &mut |_, _| true;
+    let mut ask = FitOptions { seconds: Some(0.3), ..options(&vary, &[], go) };
+    let found = fit(&model(MINE, &[]), &recording, &mut ask).unwrap();
+    let b = found.beyond.unwrap();
+    assert!((b.seconds - 0.5).abs() < 0.05 && b.count == 1, "{b:?}");
+    assert!(b.model.samples < -60.0 && b.model.levels < 0.1, "{b:?}");
+    assert!(b.sinusoids.samples > b.model.samples && b.sinusoids.levels > 3.0, "{b:?}");
+    let page = super::report(&found, "mine", "target.wav").html();
+    assert!(page.contains("What is left") && page.contains("low.f") && page.contains("damped sinusoids"));
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused() {
+    let mine = model(MINE, &[]);
+    let recording = recorded(&mine, 0.1);
+    for (vary, word) in [
+        (&[][..], "nothing is varied"),
+        (&["low.g"][..], "`low` has no parameter `g`"),
+        (&["lwo.f"][..], "did you mean `low.f`?"),
+        (&["low.f", "low.f"][..], "named twice"),
+        (&["low.n"][..], "no single number"),
+        (&["strike.between"][..], "no single number"),
+        (&["low.k"][..], "give it a start"),
+    ] {
+        let said = failure(&mine, &recording, vary);
+        assert!(said.contains(word), "{vary:?}: {said}");
+    }
+    let follows = model(
+        &MINE.replace("\"110 Hz\"", "\"pitch\"").replace("[STRING]", "[param]\npitch = \"110 Hz\"\n[STRING]"),
+        &[],
+    );
+    assert!(failure(&follows, &recording, &["low.f"]).contains("vary `pitch`"));
+    let silent = Recording { rate: RATE, channels: vec![vec![0.0; 48_000]; 2] };
+    assert!(failure(&mine, &silent, &["low.f"]).contains("silent"));
+    let short = Recording { rate: RATE, channels: vec![vec![0.5; 400]; 2] };
+    assert!(failure(&mine, &short, &["low.f"]).contains("0.05 s"));
+    let still = model(&MINE.replace("v = \"1 m/s\"", "v = \"0 m/s\""), &[]);
+    assert!(failure(&still, &recording, &["low.f"]).contains("no sound"));
+    let vary = names(&["low.f"]);
+    let go = &mut |_, _| true;
+    let few = fit(&mine, &recording, &mut FitOptions { renders: 3, ..options(&vary, &[], go) }).err();
+    assert!(matches!(&few, Some(Failure::Usage(w)) if w.contains("too few")), "{few:?}");
+    let stopped = fit(&mine, &recording, &mut options(&vary, &[], &mut |n, _| n < 3)).err();
+    assert_eq!(stopped, Some(Failure::Stopped));
+}
