@@ -12,6 +12,7 @@ mod bench;
 mod device;
 mod equiv;
 mod explain;
+mod fit;
 mod modes;
 mod play;
 mod report;
@@ -25,6 +26,7 @@ pub use bench::BenchArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use explain::ExplainArgs;
+pub use fit::FitArgs;
 pub use modes::ModesArgs;
 pub use play::PlayArgs;
 pub use report::ReportArgs;
@@ -77,6 +79,7 @@ pub enum Command {
     Bench(BenchArgs),
     Sweep(SweepArgs),
     Tune(TuneArgs),
+    Fit(FitArgs),
     Report(ReportArgs),
     Equiv(EquivArgs),
     List(ListArgs),

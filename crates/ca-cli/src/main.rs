@@ -39,6 +39,7 @@ fn main() -> ExitCode {
         Command::Bench(a) => commands::bench::run(a),
         Command::Sweep(a) => commands::sweep::run(a),
         Command::Tune(a) => commands::tune::run(a),
+        Command::Fit(a) => commands::fit::run(a),
         Command::Report(a) => commands::report::run(a),
         Command::Equiv(a) => commands::equiv::run(a),
         Command::List(a) => commands::list::run(a),

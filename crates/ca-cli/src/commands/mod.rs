@@ -8,6 +8,7 @@ pub mod control;
 pub mod device;
 pub mod equiv;
 pub mod explain;
+pub mod fit;
 pub mod import;
 mod inputs;
 pub mod list;

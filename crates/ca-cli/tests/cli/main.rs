@@ -10,6 +10,7 @@ mod docs;
 mod equiv;
 mod explain;
 mod files;
+mod fit;
 mod numbers;
 mod pages;
 mod pitch;
@@ -120,6 +121,8 @@ fn negative_numbers_are_judged_as_any_other() {
         "modes x -n -1",
         "tune x a=A3 --a4 -1",
         "tune x a=A3 --mode -1",
+        "fit x --to t.wav --vary a.f --seconds -1",
+        "fit x --to t.wav --vary a.f --renders -1",
         "equiv x --key a --lever -2",
         "report x --accuracy -1",
         "serve x --cpu -1",
@@ -164,8 +167,8 @@ fn what_is_set_is_told_from_what_is_written() {
 fn examples_of_command_help_run() {
     let mut ran = 0;
     for command in [
-        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "sweep", "list", "explain", "new", "import",
-        "play", "serve", "replay", "log", "shm",
+        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "fit", "sweep", "list", "explain", "new",
+        "import", "play", "serve", "replay", "log", "shm",
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {

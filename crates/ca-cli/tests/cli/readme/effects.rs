@@ -98,6 +98,11 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         "bench" => says(&["44.1 kHz", "ns/module", line.of("--only").unwrap()]),
         "modes" => says(&["heard [Hz]", &format!("{:.4}", lowest(desk, line.about()))]),
         "tune" => tuned(desk, line, before),
+        "fit" => {
+            let names = line.of("--vary").unwrap();
+            names.split(',').for_each(|n| says(&[&format!("{n}: ")]));
+            says(&["renders", "±", "before:", "after:"]);
+        }
         "render" => rendered(desk, line, before, ran),
         "accuracy" => {
             says(&["against"]);

@@ -1,0 +1,167 @@
+//! `ca fit`: numbers of a model found by a recorded sound.
+//!
+//! Decides only what is said and written; how a fit is done stands in `ca_lab::fit`.
+
+mod write;
+
+use super::render;
+use crate::args::{FitArgs, Playing, Source};
+use crate::load::{self, Loaded};
+use crate::{Ended, Failure, Outcome, page, term};
+use ca_compile::Options;
+use ca_io::recording::Recording;
+use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, fit, report};
+use ca_model::Value;
+use ca_model::quantity::{Plain, six};
+use serde_json::{Value as Json, json};
+use std::io::Write as _;
+use std::path::Path;
+
+/// Runs the command.
+pub fn run(args: &FitArgs) -> Outcome {
+    render::listen();
+    args.report.as_deref().map_or(Ok(()), page::is_page)?;
+    let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
+    let loaded = load::load(&source)?;
+    let writes = args.to_file.in_place || args.to_file.write.is_some();
+    if writes && load::has_extension(Path::new(&args.model), "mdl") {
+        return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
+    }
+    if writes && !args.set.is_empty() {
+        let what = "`--set` changes what is fitted, and would not be in what is written";
+        return Err(Failure::Usage(format!("{what}; write these values in the file first")));
+    }
+    let recording = Recording::open(&args.to)?;
+    let ranges: Vec<Range> = args.range.iter().map(range).collect::<Result<_, _>>()?;
+    let options = Options { rate: Some(recording.rate), clouds: loaded.clouds.clone(), ..Options::default() };
+    let scene = load::scene(&loaded, &options)?;
+    load::warn(&loaded, &scene);
+    let playing = Playing { seconds: None, gesture: args.gesture.clone(), gesture_rate: None };
+    let gesture = render::gesture(&playing, &scene, Path::new(""))?;
+    let bar = (!args.json).then(|| term::progress(u64::from(args.renders)));
+    let mut ask = FitOptions {
+        vary: &args.vary,
+        ranges: &ranges,
+        seconds: args.seconds,
+        gain: args.gain,
+        renders: args.renders,
+        gesture: gesture.as_ref(),
+        progress: &mut |done, _| {
+            if let Some(bar) = &bar {
+                bar.set_position(u64::from(done));
+            }
+            !render::stopped()
+        },
+    };
+    let found = fit(&loaded, &recording, &mut ask);
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    let found = found?;
+    let target = args.to.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    if args.json {
+        writeln!(std::io::stdout().lock(), "{:#}", value(&loaded, &target, &found))?;
+    } else {
+        print(&loaded, &target, &found)?;
+    }
+    said(&found);
+    if writes {
+        let text = write::text(&loaded.model, &found)?;
+        if args.to_file.in_place {
+            let path = Path::new(&args.model);
+            if !path.exists() {
+                let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
+                return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
+            }
+            ca_io::atomic_file::write(path, text.as_bytes())?;
+        } else if let Some(path) = &args.to_file.write {
+            super::new::write(path, &text, args.to_file.force)?;
+        }
+        if let Some(path) = args.to_file.write.as_deref().or(args.to_file.in_place.then_some(Path::new(&args.model))) {
+            term::note(&format!("written to `{}`", path.display()));
+        }
+    }
+    if let Some(path) = &args.report {
+        page::write(path, &report(&found, &loaded.name, &target).html())?;
+        term::note(&format!("page written to `{}`", path.display()));
+    }
+    Ok(if nearer(&found) { Ended::Well } else { Ended::Degraded })
+}
+
+/// `low.f=80 Hz..160 Hz`
+fn range((name, text): &(String, String)) -> Result<Range, Failure> {
+    let Some((from, to)) = text.split_once("..") else {
+        let what = format!("--range: `{name}={text}` has one end");
+        return Err(Failure::Usage(format!("{what}; write it like `low.f=80..160`")));
+    };
+    Ok(Range { name: name.clone(), ends: [Value::typed(from), Value::typed(to)] })
+}
+
+fn nearer(found: &Fit) -> bool {
+    // a start that is the recording itself cannot be improved
+    let [was, is] = [found.before, found.after];
+    is.levels < was.levels || is.samples < was.samples || is.samples < -60.0
+}
+
+/// What somebody should know of the values.
+fn said(found: &Fit) {
+    for f in &found.fitted {
+        let name = &f.varied.name;
+        if f.at_end {
+            term::warning(&format!("`{name}` is at an end of its range; widen it with `--range`, if it may go on"));
+        }
+        if f.deviation.is_none() {
+            term::warning(&format!("`{name}` is not determined by this sound; its value says nothing"));
+        }
+    }
+    if !nearer(found) {
+        term::warning("the model came no nearer to the recording; vary other numbers, or start elsewhere with `--set`");
+    }
+}
+
+fn print(loaded: &Loaded, target: &str, found: &Fit) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}, to {:.3} s of {target} by {} renders", loaded.name, found.seconds, found.renders)?;
+    for f in &found.fitted {
+        let v = &f.varied;
+        writeln!(out, "  {}: {} → {} {}", v.name, v.shown(v.start), v.shown(f.value), f.uncertainty())?;
+    }
+    let line = |d: &Distance| format!("levels {:.2} dB off, {:.1} dB of the samples left", d.levels, d.samples);
+    writeln!(out, "  before: {}", line(&found.before))?;
+    writeln!(out, "  after:  {}", line(&found.after))?;
+    let ms = Plain(six(1e3 * found.delay));
+    let by = match found.stage {
+        Stage::Samples => format!("samples, over {:.3} s", found.phase),
+        Stage::Levels => "levels; phases do not agree".into(),
+    };
+    writeln!(out, "  gain {}, delay {ms} ms; last by {by}", Plain(six(found.gain)))?;
+    if let Some(b) = &found.beyond {
+        writeln!(out, "  in the {:.3} s after that, which were not fitted:", b.seconds)?;
+        writeln!(out, "    the model: {}", line(&b.model))?;
+        writeln!(out, "    {} damped sinusoids with as many numbers: {}", b.count, line(&b.sinusoids))?;
+    }
+    Ok(())
+}
+
+fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
+    let distance = |d: &Distance| json!({ "levels_db": d.levels, "samples_db": d.samples });
+    let numbers: Vec<Json> = found
+        .fitted
+        .iter()
+        .map(|f| {
+            json!({ "name": f.varied.name, "unit": f.varied.unit, "start": f.varied.start, "value": f.value,
+                "deviation": f.deviation, "at_end": f.at_end })
+        })
+        .collect();
+    let beyond = |b: &Beyond| {
+        json!({ "seconds": b.seconds, "model": distance(&b.model), "sinusoids": distance(&b.sinusoids),
+            "count": b.count })
+    };
+    json!({
+        "name": loaded.name, "target": target, "renders": found.renders, "seconds": found.seconds,
+        "parameters": numbers, "gain": found.gain, "delay_s": found.delay,
+        "stage": if found.stage == Stage::Samples { "samples" } else { "levels" }, "phase_s": found.phase,
+        "before": distance(&found.before), "after": distance(&found.after),
+        "beyond": found.beyond.as_ref().map(beyond),
+    })
+}

@@ -1,0 +1,120 @@
+//! `ca fit`: what it prints and writes, and a recording that is none of ours.
+
+use crate::desk::{Desk, from_root};
+use crate::skipped::skipped;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+/// Comments and units are its author's.
+const MINE: &str = r#"# mine
+[param]
+weight = { value = 12, unit = "g", min = 1, max = 90 }   # of the hammer
+[STRING]
+low = { n = 24, f = "110 Hz", t60 = "2 s", m = "1 g" }   # by frequency
+[MAS]
+hammer = { m = "weight", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[5]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 400 }
+"#;
+
+#[test]
+fn a_model_is_fitted_and_written_with_its_comments() {
+    let desk = Desk::new();
+    desk.put("mine.ca.toml", MINE);
+    let render = ["--seconds", "0.5", "--no-fade", "-q", "--set", "low.f=112.3 Hz", "--set", "weight=20"];
+    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f,weight"];
+    let more = ["--seconds", "0.3", "--write", "found.ca.toml", "--report", "fit.html", "--json"];
+    let ran = desk.ca(&[&fit[..], &more].concat()).is(0);
+    let told = ran.json();
+    let value = |k: usize| told["parameters"][k]["value"].as_f64().unwrap();
+    assert!((value(0) / 112.3 - 1.0).abs() < 5e-5, "{told:#}");
+    assert!((value(1) / 0.02 - 1.0).abs() < 0.02, "{told:#}");
+    assert!(told["renders"].as_u64().unwrap() < 60 && told["beyond"]["count"] == 1, "{told:#}");
+    assert!(told["after"]["levels_db"].as_f64() < told["before"]["levels_db"].as_f64());
+    let text = fs::read_to_string(desk.path("found.ca.toml")).unwrap();
+    for kept in ["# mine", "unit = \"g\", min = 1, max = 90 }   # of the hammer", "# by frequency", "m = \"weight\""] {
+        assert!(text.contains(kept), "{kept}\n{text}");
+    }
+    assert!(text.contains("f = \"112.3") && text.contains(" Hz\"") && text.contains("value = "), "{text}");
+    let page = fs::read_to_string(desk.path("fit.html")).unwrap();
+    assert!(page.contains("Before and after") && page.contains("low.f"));
+    // what was written is what was found
+    desk.ca(&["render", "found.ca.toml", "-o", "f.wav", "--seconds", "0.5", "--no-fade", "-q"]).is(0);
+    let (a, b) = (desk.wav("t.wav").1, desk.wav("f.wav").1);
+    let left: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
+    assert!(left < 1e-4 * a.iter().map(|a| a * a).sum::<f64>(), "{left}");
+    desk.ca(&fit).is(0).says(&["low.f: 110 Hz → 112.3", "±", "renders", "before:", "after:"]);
+}
+
+#[test]
+fn what_cannot_be_fitted_gets_an_answer() {
+    let desk = Desk::new();
+    desk.put("mine.ca.toml", MINE);
+    desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n").put("not.wav", "mine");
+    desk.ca(&["render", "mine.ca.toml", "-o", "t.wav", "--seconds", "0.1", "-q"]).is(0);
+    for (args, code, word) in [
+        (&["mine.ca.toml", "--to", "t.wav"][..], 2, "--vary"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "lwo.f"], 2, "did you mean `low.f`?"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.n"], 2, "no single number"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "hammer.m"], 2, "vary `weight`"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.f=9"], 2, "one end"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.f=9..90"], 2, "starts at 110 Hz"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.m=9..90"], 2, "is not varied"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--renders", "2"], 2, "too few"),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--report", "x.pdf"], 2, "`.html`"),
+        (&["mine.ca.toml", "--to", "t.mp3", "--vary", "low.f"], 2, "WAV"),
+        (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f"], 1, "`no.wav`"),
+        (&["mine.ca.toml", "--to", "not.wav", "--vary", "low.f"], 1, "not a WAV file"),
+        (&["mute.ca.toml", "--to", "t.wav", "--vary", "bar.f"], 1, "no output"),
+    ] {
+        desk.ca(&[&["fit"], args].concat()).is(code).says(&[word]);
+    }
+    assert_eq!(desk.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
+}
+
+/// A guitar, plucked: a string of six numbers, gain and delay among them, beside two damped sinusoids of four each.
+const GUITAR: &str = r#"
+[STIFFSTRING]
+low = { n = 60, f = "110 Hz", b = 1e-4, t60 = "12 s", z = "0.1 mN s/m", m = "0.1 g" }
+[ENF]
+pull = { to = "low[12]" }
+[SOX]
+out = { from = "low[0]", gain = 100 }
+[gesture]
+pull = [[0, 0], [0.05, "1 N"], [0.0501, 0]]
+"#;
+
+/// Recordings of two guitars from a package of others, whose licence is MIT; nothing of it is kept in the project.
+fn recordings() -> Option<PathBuf> {
+    let made = Command::new("bash").arg(from_root("tests/python/recordings")).stderr(Stdio::piped()).output().ok()?;
+    if !made.status.success() {
+        skipped("recording", &format!("no recording: {}", String::from_utf8_lossy(&made.stderr)));
+        return None;
+    }
+    Some(PathBuf::from(String::from_utf8(made.stdout).ok()?.trim()))
+}
+
+/// The levels of partials over two seconds that were not fitted are predicted better than by as many numbers of sinusoids. The
+/// samples are not: the strongest two partials have phases that a body gave them, of which this string knows nothing.
+#[test]
+fn a_recorded_guitar_is_explained_by_a_string() {
+    let Some(folder) = recordings() else { return };
+    for name in ["Wood_Guitar/Wood_A5.wav", "Carbon_Guitar/Carbon_A5.wav"] {
+        let desk = Desk::new();
+        desk.put("guitar.ca.toml", GUITAR);
+        let wav = folder.join(name);
+        let fit = ["fit", "guitar.ca.toml", "--to", wav.to_str().unwrap(), "--vary", "low.f,low.b,low.t60,low.z"];
+        let told = desk.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
+        println!("{name}: {told:#}");
+        let b = &told["beyond"];
+        let of = |who: &str, what: &str| b[who][what].as_f64().unwrap();
+        assert!(b["seconds"].as_f64().unwrap() > 1.9 && b["count"] == 2, "{b:#}");
+        assert!(of("model", "levels_db") < 0.75 * of("sinusoids", "levels_db"), "{b:#}");
+        let f = told["parameters"][0]["value"].as_f64().unwrap();
+        assert!((1200.0 * (f / 109.7).log2()).abs() < 25.0, "the string is an A, {f} Hz");
+    }
+}
