@@ -10,6 +10,7 @@
 #![allow(clippy::needless_pass_by_value)]
 
 mod error;
+mod fit;
 mod gesture;
 mod measure;
 mod model;

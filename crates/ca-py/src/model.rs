@@ -1,6 +1,7 @@
 //! Models: text or calls to what is compiled.
 
 use crate::error::{failure, findings, usage};
+use crate::fit::{self, FitArgs, Target};
 use crate::gesture::Gesture;
 use crate::measure;
 use crate::scene::Scene;
@@ -422,5 +423,26 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let asked = measure::AccuracyArgs { rate, seconds, probes, times, reference };
         measure::accuracy(py, &self.whole(), &asked, progress)
+    }
+
+    /// See `cordis_anima.fit`.
+    #[pyo3(signature = (target, vary, *, ranges, seconds, gain, renders, gesture, report, progress))]
+    #[allow(clippy::too_many_arguments)]
+    fn fit<'py>(
+        &self,
+        py: Python<'py>,
+        target: Target<'py>,
+        vary: Vec<String>,
+        ranges: Vec<(String, String, String)>,
+        seconds: Option<f64>,
+        gain: Option<f64>,
+        renders: u32,
+        gesture: Option<&Gesture>,
+        report: Option<PathBuf>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<(Model, Bound<'py, PyDict>)> {
+        let asked = FitArgs { vary, ranges, seconds, gain, renders, gesture, report };
+        let (loaded, found) = fit::fitted(py, &self.whole(), target, &asked, progress)?;
+        Ok((Model::of(loaded), found))
     }
 }

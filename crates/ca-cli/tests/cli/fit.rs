@@ -77,16 +77,20 @@ fn what_cannot_be_fitted_gets_an_answer() {
 }
 
 /// A guitar, plucked: a string of six numbers, gain and delay among them, beside two damped sinusoids of four each.
-const GUITAR: &str = r#"
+fn guitar(hertz: f64) -> String {
+    format!(
+        r#"
 [STIFFSTRING]
-low = { n = 60, f = "110 Hz", b = 1e-4, t60 = "12 s", z = "0.1 mN s/m", m = "0.1 g" }
+low = {{ n = 60, f = "{hertz} Hz", b = 1e-4, t60 = "12 s", z = "0.1 mN s/m", m = "0.1 g" }}
 [ENF]
-pull = { to = "low[12]" }
+pull = {{ to = "low[12]" }}
 [SOX]
-out = { from = "low[0]", gain = 100 }
+out = {{ from = "low[0]", gain = 100 }}
 [gesture]
 pull = [[0, 0], [0.05, "1 N"], [0.0501, 0]]
-"#;
+"#
+    )
+}
 
 /// Recordings of two guitars from a package of others, whose licence is MIT; nothing of it is kept in the project.
 fn recordings() -> Option<PathBuf> {
@@ -98,23 +102,32 @@ fn recordings() -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8(made.stdout).ok()?.trim()))
 }
 
-/// The levels of partials over two seconds that were not fitted are predicted better than by as many numbers of sinusoids. The
-/// samples are not: the strongest two partials have phases that a body gave them, of which this string knows nothing.
+/// Two seconds that were not fitted are predicted better than by as many numbers of sinusoids: levels, as of eleven of the twelve
+/// strings that were recorded, and of one the samples too. Samples of the others are not: the strongest partials have phases that
+/// a body gave them, of which this string knows nothing (docs/fit.md has all twelve).
 #[test]
 fn a_recorded_guitar_is_explained_by_a_string() {
     let Some(folder) = recordings() else { return };
-    for name in ["Wood_Guitar/Wood_A5.wav", "Carbon_Guitar/Carbon_A5.wav"] {
+    for (name, hertz, heard, phases) in [
+        ("Carbon_Guitar/Carbon_E1.wav", 329.6, 328.8, true),
+        ("Wood_Guitar/Wood_A5.wav", 110.0, 109.7, false),
+        ("Carbon_Guitar/Carbon_E6.wav", 82.4, 82.5, false),
+    ] {
         let desk = Desk::new();
-        desk.put("guitar.ca.toml", GUITAR);
+        desk.put("guitar.ca.toml", &guitar(hertz));
         let wav = folder.join(name);
         let fit = ["fit", "guitar.ca.toml", "--to", wav.to_str().unwrap(), "--vary", "low.f,low.b,low.t60,low.z"];
         let told = desk.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
         println!("{name}: {told:#}");
         let b = &told["beyond"];
         let of = |who: &str, what: &str| b[who][what].as_f64().unwrap();
-        assert!(b["seconds"].as_f64().unwrap() > 1.9 && b["count"] == 2, "{b:#}");
-        assert!(of("model", "levels_db") < 0.75 * of("sinusoids", "levels_db"), "{b:#}");
+        assert!(b["seconds"].as_f64().unwrap() > 1.9 && b["count"] == 2 && told["renders"].as_u64().unwrap() <= 60);
+        assert!(of("model", "levels_db") < 0.7 * of("sinusoids", "levels_db"), "{name}: {b:#}");
+        if phases {
+            assert!(of("model", "samples_db") < of("sinusoids", "samples_db") - 2.0, "{name}: {b:#}");
+            assert!(of("model", "samples_db") < -1.0, "{name}: {b:#}");
+        }
         let f = told["parameters"][0]["value"].as_f64().unwrap();
-        assert!((1200.0 * (f / 109.7).log2()).abs() < 25.0, "the string is an A, {f} Hz");
+        assert!((1200.0 * (f / heard).log2()).abs() < 5.0, "{name}: {f} Hz");
     }
 }

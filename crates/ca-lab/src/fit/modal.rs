@@ -23,6 +23,13 @@ const DECAY: f64 = 0.2;
 /// What of a mode is heard below this is left.
 const FAINT: f64 = 1e-3;
 
+/// Places whose modes lie at the partials.
+pub(super) struct Placed {
+    pub places: Vec<f64>,
+    /// which of them move modes at all
+    pub moved: Vec<bool>,
+}
+
 /// Modes and how they move with each place.
 struct Linear {
     modes: Vec<Heard>,
@@ -77,14 +84,14 @@ fn weight(p: &Partial) -> f64 {
     (p.level + 66.0) / 66.0
 }
 
-/// Places whose modes lie at the partials, and which of them move modes at all; `None` where the model has no modes to speak of,
+/// Places whose modes lie at the partials; `None` where the model has no modes to speak of,
 /// or nothing that is varied moves them.
 pub(super) fn place(
     player: &Player,
     partials: &[Partial],
     start: &[f64],
     ends: &[[f64; 2]],
-) -> Result<Option<(Vec<f64>, Vec<bool>)>, Failure> {
+) -> Result<Option<Placed>, Failure> {
     let mut places = start.to_vec();
     let clamp = |places: &mut [f64]| {
         places.iter_mut().zip(ends).for_each(|(p, e)| *p = p.clamp(e[0], e[1]));
@@ -100,7 +107,9 @@ pub(super) fn place(
         if moves.is_empty() {
             return Ok(None);
         }
-        moves.iter().for_each(|k| moved[*k] = true);
+        for k in &moves {
+            moved[*k] = true;
+        }
         let mut by = vec![0.0; places.len()];
         if round == 0 {
             scan(&linear, partials, &mut by);
@@ -112,7 +121,7 @@ pub(super) fn place(
         places.iter_mut().zip(&by).for_each(|(p, b)| *p += b.clamp(-1.5, 1.5));
         clamp(&mut places);
     }
-    Ok(Some((places, moved)))
+    Ok(Some(Placed { places, moved }))
 }
 
 /// The best start along each place that moves frequencies.

@@ -13,7 +13,7 @@ impl Fitted {
         match self.deviation {
             Some(d) => {
                 let part = 200.0 * d / self.value.abs();
-                let part = if part.is_finite() { format!(" ({:.1e} %)", part) } else { String::new() };
+                let part = if part.is_finite() { format!(" ({} %)", Plain(two(part))) } else { String::new() };
                 let unit = &self.varied.unit;
                 format!("± {} {unit}{part}", Plain(two(2.0 * d))).replace("  ", " ")
             }
@@ -76,7 +76,9 @@ pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let mut blocks: Vec<Block> = spectrum.into_iter().map(Block::Plot).collect();
     for (name, samples) in names.iter().zip([&recording, &before, &after]) {
         let mut one = Sound::new(shown.rate, std::slice::from_ref(name));
-        samples.iter().for_each(|x| one.push(&[by * x]));
+        for x in samples {
+            one.push(&[by * x]);
+        }
         if let Some(plot) = spectrogram(&one) {
             blocks.push(Block::Plot(Plot { title: format!("{}: {name}", plot.title), ..plot }));
         }

@@ -89,7 +89,9 @@ impl Work<'_> {
                 .map(|c| {
                     let mut to = Vec::with_capacity(there);
                     wave::delayed(c, free.delay, 0, there, &mut to);
-                    to.iter_mut().for_each(|x| *x *= free.gain);
+                    for x in &mut to {
+                        *x *= free.gain;
+                    }
                     to
                 })
                 .collect()

@@ -7,8 +7,12 @@
 use crate::Failure;
 use ca_io::recording::Recording;
 
-/// The onset is the first sample louder than this part of the loudest: above what is heard of a hand before it plucks.
+/// The onset is the first sample louder than this part of the loudest, above what is heard of a hand before it plucks …
 const LOUD: f64 = 0.1;
+/// … from which on there is this part of the power of the loudest time: a knock before a note dies at once.
+const POWER: f64 = 0.04;
+/// How long that is looked at \[s\].
+const HELD: f64 = 0.06;
 /// So much before the onset is compared too \[s\].
 const BEFORE: f64 = 0.01;
 /// Least sound from the onset on \[s\].
@@ -40,11 +44,21 @@ pub(super) struct Target {
     pub fitted: usize,
 }
 
-/// The first loud sample; `None` of silence.
-pub(super) fn onset(samples: &Samples) -> Option<usize> {
+/// Where a sound begins; `None` of silence.
+pub(super) fn onset(samples: &Samples, rate: f64) -> Option<usize> {
     let loudest = samples.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
-    let first = samples.iter().filter_map(|c| c.iter().position(|v| v.abs() > LOUD * loudest)).min();
-    first.filter(|_| loudest > 0.0)
+    let n = samples.first().map_or(0, Vec::len);
+    let mut sums = vec![0.0];
+    let mut sum = 0.0;
+    for i in 0..n {
+        sum += samples.iter().map(|c| c[i] * c[i]).sum::<f64>();
+        sums.push(sum);
+    }
+    let held = (HELD * rate) as usize;
+    let power = |i: usize| sums[(i + held).min(n)] - sums[i];
+    let most = (0..n).map(power).fold(0.0, f64::max);
+    let loud = |i: &usize| samples.iter().any(|c| c[*i].abs() > LOUD * loudest);
+    (0..n).filter(loud).find(|i| power(*i) >= POWER * most).filter(|_| loudest > 0.0)
 }
 
 /// One channel of all.
@@ -62,7 +76,7 @@ impl Target {
     pub fn of(recording: &Recording, channels: usize, seconds: Option<f64>) -> Result<Target, Failure> {
         let Recording { rate, channels: all } = recording;
         let samples = if all.len() == channels { all.clone() } else { mixed(all) };
-        let Some(at) = onset(&samples) else {
+        let Some(at) = onset(&samples, *rate) else {
             let what = "the target is silent: no sample of it differs from 0";
             return Err(Failure::Failed(format!("{what}; record it louder, or name another file")));
         };
@@ -79,7 +93,25 @@ impl Target {
         let asked = seconds.unwrap_or(MOST).max(LEAST);
         let fitted = there.min(onset + (asked * rate) as usize);
         let end = fitted + (fitted - onset).max((AFTER * rate) as usize);
-        samples.iter_mut().for_each(|c| c.truncate(end));
+        for c in &mut samples {
+            c.truncate(end);
+        }
         Ok(Target { rate: *rate, samples, quiet, begin, onset, fitted })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_knock_before_a_note_is_no_onset() {
+        let note = |i: usize| if i < 4000 { 0.0 } else { (-1e-4 * (i - 4000) as f64).exp() * (0.3 * i as f64).sin() };
+        let mut sound: Samples = vec![(0..12_000).map(note).collect()];
+        let begin = onset(&sound, 8000.0).unwrap();
+        assert!((4000..4010).contains(&begin), "{begin}");
+        (1000..1010).for_each(|i| sound[0][i] = 0.5);
+        assert_eq!(onset(&sound, 8000.0), Some(begin));
+        assert_eq!(onset(&vec![vec![0.0; 100]], 8000.0), None);
     }
 }

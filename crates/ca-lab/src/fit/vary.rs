@@ -189,13 +189,11 @@ fn argument(model: &Model, name: &str) -> Result<(Written, [f64; 2]), Failure> {
     if let Some(e) = item.args.iter().find(|e| e.key == key) {
         return Ok((plain(name, &e.value, &model.params)?, bounds));
     }
-    match known.need {
-        Need::Default(value) => Ok((Written { value, unit: symbol.into() }, bounds)),
-        _ => {
-            let what = format!("`{name}` is not written in the model, so it starts nowhere");
-            Err(usage(format!("{what}; give it a start: `--set {name}=…`")))
-        }
+    if let Need::Default(value) = known.need {
+        return Ok((Written { value, unit: symbol.into() }, bounds));
     }
+    let what = format!("`{name}` is not written in the model, so it starts nowhere");
+    Err(usage(format!("{what}; give it a start: `--set {name}=…`")))
 }
 
 /// The range of a number, and its unit.

@@ -61,9 +61,9 @@ impl Work<'_> {
         let partials = partials::partials(&self.target.samples, (onset + (0.02 * rate) as usize).min(fitted), rate);
         let mut moved = vec![false; start.len()];
         let mut starts = vec![point];
-        if let Some((places, by_modes)) = modal::place(player, &partials, &start, &self.ends)? {
-            moved = by_modes;
-            if let Some(tried) = self.point(player, &places)? {
+        if let Some(placed) = modal::place(player, &partials, &start, &self.ends)? {
+            moved = placed.moved;
+            if let Some(tried) = self.point(player, &placed.places)? {
                 starts.insert(0, Point { free: levels.settle(&tried.heard, tried.free), ..tried });
             }
         }
@@ -184,7 +184,7 @@ impl Work<'_> {
     /// What is heard at these places, where its onset is that of the recording; `None` where the model cannot be so or is silent.
     fn point(&self, player: &mut Player, places: &[f64]) -> Result<Option<Point>, Failure> {
         let Some(heard) = player.render(places)? else { return Ok(None) };
-        let Some(onset) = target::onset(&heard) else { return Ok(None) };
+        let Some(onset) = target::onset(&heard, self.target.rate) else { return Ok(None) };
         let delay = self.target.onset as f64 - onset as f64;
         Ok(Some(Point { places: places.to_vec(), free: Free { gain: 0.0, delay }, heard }))
     }

@@ -18,6 +18,7 @@ from typing import NamedTuple
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._linear import Linear, Rollout
+from ._fit import Beyond, Distance, Fit, Fitted, fit
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render
@@ -32,16 +33,20 @@ __version__: str = _core.VERSION
 
 __all__ = [
     "Accuracy",
+    "Beyond",
     "Block",
     "CaError",
     "Certificate",
     "Check",
     "Curve",
     "Diagnostic",
+    "Distance",
     "Energy",
     "FailedError",
     "Fault",
     "FileError",
+    "Fit",
+    "Fitted",
     "Gesture",
     "Hand",
     "Inputs",
@@ -69,6 +74,7 @@ __all__ = [
     "Verdict",
     "View",
     "examples",
+    "fit",
     "kinds",
     "load",
     "parse",

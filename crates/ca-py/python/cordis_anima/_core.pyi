@@ -62,6 +62,19 @@ class Model:
         forces: bool,
         progress: Callable[[int, int], object] | None,
     ) -> None: ...
+    def fit(
+        self,
+        target: Any,
+        vary: Sequence[str],
+        *,
+        ranges: Sequence[tuple[str, str, str]],
+        seconds: float | None,
+        gain: float | None,
+        renders: int,
+        gesture: Gesture | None,
+        report: str | os.PathLike[str] | None,
+        progress: Callable[[int, int], object] | None,
+    ) -> tuple[Model, dict[str, Any]]: ...
     def modes(self, rate: float | None = None) -> dict[str, Any]: ...
     def linear(self, rate: float | None = None) -> dict[str, Any]: ...
     def accuracy(

@@ -1,0 +1,56 @@
+"""`ca.fit`: numbers that were hidden in a sound."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cordis_anima as ca
+
+STRING = """
+[STRING]
+low = { n = 24, f = "110 Hz", t60 = "2 s", m = "1 g" }
+[MAS]
+hammer = { m = "12 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[5]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 400 }
+"""
+
+
+def test_numbers_are_found_with_their_uncertainty(tmp_path: Path) -> None:
+    start = ca.parse(STRING)
+    heard = start.replace({"low.f": "113 Hz", "hammer.m": "20 g"}).render(0.5).audio[:, 0]
+    seen: list[int] = []
+    page = tmp_path / "fit.html"
+    found = ca.fit(
+        start, heard, ["low.f", "hammer.m"], seconds=0.3, report=page, progress=lambda done, _: seen.append(done)
+    )
+    f, m = found.numbers["low.f"], found.numbers["hammer.m"]
+    assert abs(1200 * math.log2(f.value / 113)) < 0.1 and abs(m.value / 0.02 - 1) < 0.02
+    assert f.unit == "Hz" and f.start == 110 and not f.at_end and f.deviation is not None and f.deviation < 0.01
+    assert found.renders < 60 and seen and found.stage == "samples"
+    assert found.after.levels < found.before.levels
+    assert found.beyond is not None and found.beyond.model.samples < found.beyond.sinusoids.samples
+    left = found.scene.render(0.5).audio[:, 0] * found.gain - heard
+    assert float(np.sum(left**2)) < 1e-4 * float(np.sum(heard**2))
+    assert "What is left" in page.read_text()
+
+
+def test_what_cannot_be_fitted_says_why(tmp_path: Path) -> None:
+    start = ca.parse(STRING)
+    heard = start.render(0.1).audio
+    with pytest.raises(ca.UsageError, match="did you mean `low.f`"):
+        ca.fit(start, heard, ["lwo.f"])
+    with pytest.raises(ca.UsageError, match="starts at 110 Hz"):
+        ca.fit(start, heard, ["low.f"], ranges={"low.f": (50, "60 Hz")})
+    with pytest.raises(ca.UsageError, match="finite"):
+        ca.fit(start, np.full(4800, np.nan), ["low.f"])
+    with pytest.raises(ca.FailedError, match="silent"):
+        ca.fit(start, np.zeros(4800), ["low.f"])
+    with pytest.raises(ca.FileError):
+        ca.fit(start, tmp_path / "no.wav", ["low.f"])
