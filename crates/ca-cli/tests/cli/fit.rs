@@ -1,6 +1,6 @@
 //! `ca fit`: what it prints and writes, and a recording that is none of ours.
 
-use crate::desk::{Desk, from_root};
+use crate::desk::{Desk, blocks, from_root};
 use crate::skipped::skipped;
 use std::fs;
 use std::path::PathBuf;
@@ -69,11 +69,26 @@ fn what_cannot_be_fitted_gets_an_answer() {
         (&["mine.ca.toml", "--to", "t.mp3", "--vary", "low.f"], 2, "WAV"),
         (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f"], 1, "`no.wav`"),
         (&["mine.ca.toml", "--to", "not.wav", "--vary", "low.f"], 1, "not a WAV file"),
+        (&["hammered_string", "--to", "t.wav", "--vary", "low.f", "--in-place"], 2, "not yours to change"),
         (&["mute.ca.toml", "--to", "t.wav", "--vary", "bar.f"], 1, "no output"),
     ] {
         desk.ca(&[&["fit"], args].concat()).is(code).says(&[word]);
     }
     assert_eq!(desk.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
+}
+
+/// The commands of docs/fit.md, one after the other.
+#[cfg(unix)]
+#[test]
+fn the_commands_of_the_page_run() {
+    let page = fs::read_to_string(from_root("docs/fit.md")).unwrap();
+    let desk = Desk::new();
+    let lines: Vec<&str> = blocks(&page, "sh").into_iter().flat_map(|(_, b)| b.lines()).collect();
+    assert!(lines.len() >= 2);
+    for line in lines {
+        desk.sh(line).is(0);
+    }
+    assert_eq!(desk.files(), ["fit.html", "target.wav"]);
 }
 
 /// A guitar, plucked: a string of six numbers, gain and delay among them, beside two damped sinusoids of four each.

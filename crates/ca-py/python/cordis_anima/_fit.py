@@ -113,10 +113,9 @@ def fit(
         FileError: the recording cannot be read.
 
     >>> import cordis_anima as ca
-    >>> a = ca.load("hammered_string")
-    >>> r = a.replace({"low.f": "111 Hz"}).render(0.6)
-    >>> found = ca.fit(a, r.audio, ["low.f"], sr=r.sr)
-    >>> abs(found.numbers["low.f"].value - 111) < 0.01, found.renders < 60
+    >>> r = ca.examples.string("113 Hz").render(0.3)
+    >>> found = ca.fit(ca.examples.string(), r.audio, ["low.f"], sr=r.sr)
+    >>> abs(found.numbers["low.f"].value - 113) < 0.01, found.renders < 60
     (True, True)
     """
     vary = [vary] if isinstance(vary, str) else list(vary)

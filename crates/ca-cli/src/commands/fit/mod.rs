@@ -24,12 +24,20 @@ pub fn run(args: &FitArgs) -> Outcome {
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();
+    if args.to_file.in_place && !Path::new(&args.model).exists() {
+        let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
+        return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
+    }
     if writes && load::has_extension(Path::new(&args.model), "mdl") {
         return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
     }
     if writes && !args.set.is_empty() {
         let what = "`--set` changes what is fitted, and would not be in what is written";
         return Err(Failure::Usage(format!("{what}; write these values in the file first")));
+    }
+    if writes {
+        // what has no place in the file is refused before the work is done
+        args.vary.iter().try_for_each(|name| write::path(&loaded.model, name).map(drop))?;
     }
     let recording = Recording::open(&args.to)?;
     let ranges: Vec<Range> = args.range.iter().map(range).collect::<Result<_, _>>()?;
@@ -68,12 +76,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     if writes {
         let text = write::text(&loaded.model, &found)?;
         if args.to_file.in_place {
-            let path = Path::new(&args.model);
-            if !path.exists() {
-                let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
-                return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
-            }
-            ca_io::atomic_file::write(path, text.as_bytes())?;
+            ca_io::atomic_file::write(Path::new(&args.model), text.as_bytes())?;
         } else if let Some(path) = &args.to_file.write {
             super::new::write(path, &text, args.to_file.force)?;
         }

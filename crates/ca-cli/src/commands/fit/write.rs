@@ -26,7 +26,7 @@ pub(super) fn text(model: &Model, found: &Fit) -> Result<String, Failure> {
 }
 
 /// The keys from the root of the file to a number.
-fn path(model: &Model, name: &str) -> Result<Vec<String>, Failure> {
+pub(super) fn path(model: &Model, name: &str) -> Result<Vec<String>, Failure> {
     let words = |all: &[&str]| all.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
     let of = |name: &str| model.uses.iter().find(|u| name.starts_with(&format!("{}.", u.name)));
     if name.contains('[') {
