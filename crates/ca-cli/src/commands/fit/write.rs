@@ -2,7 +2,7 @@
 //!
 //! Decides that a number keeps the unit its author gave it, and that one which many instances share is not touched.
 
-use crate::Failure;
+use crate::outcome::Failure;
 use ca_lab::fit::{Fit, Fitted};
 use ca_model::{Model, Value, quantity};
 use toml_edit::{DocumentMut, Item};
