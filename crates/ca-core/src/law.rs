@@ -6,7 +6,7 @@
 //! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
 //! homogeneous pass vectorises.
 
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 use core::ops::{Add, Mul, Sub};
 
 /// What a linear law is computed in: a number, or a vector of them with a link in each lane.
@@ -88,7 +88,7 @@ pub trait Phi<const C: usize, const M: usize> {
 
     /// Memory at load, for elongation `e`.
     fn start(_c: &[Real; C], _e: Real) -> [Real; M] {
-        [0.0; M]
+        [real(0.0); M]
     }
 
     /// The force \[N\], F > 0 pulls the ends together.
@@ -97,7 +97,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// Potential energy \[J\] at elongation `e`. This, `stored` and `lost` get the memory as the force of the tick left it.
     #[inline(always)]
     fn potential(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: Real) -> Real {
-        0.0
+        real(0.0)
     }
 
     /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
@@ -112,7 +112,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// that tick, which such a law remembers.
     #[inline(always)]
     fn lost(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: [Real; 3]) -> Real {
-        0.0
+        real(0.0)
     }
 
     /// Linear bounds, for the certificate.

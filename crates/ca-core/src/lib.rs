@@ -25,6 +25,8 @@
 //! another name. Features: `std` (default) finds the widest instructions of the machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
+// a number with its derivatives is as large as a cache line
+#![cfg_attr(dual, allow(clippy::large_types_passed_by_value, clippy::unnecessary_min_or_max))]
 
 extern crate alloc;
 

@@ -370,7 +370,7 @@ impl State {
     pub(crate) fn turn(&mut self, i: usize, v: Real, ticks: u32) {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
-        if goal.to_bits() != v.to_bits() {
+        if wide(goal).to_bits() != wide(v).to_bits() {
             self.ramp(i, wide(v), ticks);
         }
     }

@@ -4,6 +4,7 @@
 //! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
 //! that binds one to the other would save this compare, and borrow the state from everybody who looks at it.
 
+use crate::numeric::Outer;
 use crate::op::Op;
 use crate::scene::Scene;
 use crate::state::State;
@@ -47,7 +48,7 @@ pub fn integrate(scene: &Scene, s: &mut State) {
 /// # Panics
 /// Where the length of an array of the state was changed.
 #[must_use = "false means that nothing was played"]
-pub fn process(scene: &Scene, s: &mut State, out: &mut [f64]) -> bool {
+pub fn process(scene: &Scene, s: &mut State, out: &mut [Outer]) -> bool {
     let row = scene.n_out.max(1);
     if s.scene != scene.identity() || !out.len().is_multiple_of(row) {
         return false;

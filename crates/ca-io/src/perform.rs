@@ -87,14 +87,16 @@ impl<'a> Performance<'a> {
         for track in gesture.map_or(&[][..], Gesture::tracks) {
             p.drive(track.clone())?;
         }
-        // a hand that is under way at the first tick was so before it
-        let hand = |input: usize| {
-            let d = p.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
-            let [now, next] = [0.0, scene.sample_dt].map(|t| d.track.at(t));
-            Some([now, next - now])
-        };
-        p.state = scene.state_from(hand);
+        p.state = scene.state_from(|input| p.hand(input));
         Ok(p)
+    }
+
+    /// Where the hand on a place of [`State::input`] is at the first tick, and its change per tick; `None` where nothing drives
+    /// it. A hand that is under way then was so before it.
+    pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
+        let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
+        let [now, next] = [0.0, self.scene.sample_dt].map(|t| d.track.at(t));
+        Some([now, next - now])
     }
 
     fn drive(&mut self, track: Track) -> Result<(), FileError> {

@@ -8,6 +8,7 @@
 use ca_core::State;
 use ca_core::method::coulomb::{MEM, hold};
 use ca_core::method::{free_motion, mobility};
+use ca_core::numeric::{Real, real};
 use ca_core::op::layout::Layout;
 use ca_core::op::links::measure::{Elongation, Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, Law, MeasureKind, Op, SolveStage};
@@ -29,7 +30,7 @@ fn kernel(form: Form) -> Kernel {
 fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
     let Some((_, onto, far)) = op.ports.onto else { return };
     for i in 0..op.n {
-        let [most, sliding]: [f64; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let [most, sliding]: [Real; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let (first, second) = (layout.ends[op.first + i], layout.onto[onto + i]);
         let (first, second) = (first.map(|m| m as usize), second.map(|m| m as usize));
         let a = Port::of::<A>(layout, s, first, op.ports.reach + i);
@@ -38,10 +39,10 @@ fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         let stuck = s.mem[mem] != 0.0;
         let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
         // what stuck has no motion but that of rounding, and of a port that turned
-        let (force, sticks) = hold([most, sliding], [if stuck { 0.0 } else { w }, r], c, stuck);
+        let (force, sticks) = hold([most, sliding], [if stuck { real(0.0) } else { w }, r], c, stuck);
         A::pull(&mut s.f, first, &a.measured, force);
         B::pull(&mut s.f, second, &b.measured, force);
-        s.mem[mem] = if sticks { 1.0 } else { 0.0 };
+        s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
         s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
@@ -53,19 +54,19 @@ fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
 struct Port {
     measured: Elongation,
     /// the change of its elongation in the last tick, along its gradient \[m/tick\]
-    moves: f64,
+    moves: Real,
     /// that which all other forces make
-    free: f64,
+    free: Real,
     /// \[m/N\]
-    mobility: f64,
+    mobility: Real,
 }
 
 impl Port {
     fn of<G: Measure>(layout: &Layout, s: &State, ends: [usize; 2], reach: usize) -> Port {
-        let reach = if G::SPACE { &layout.reach[reach] } else { &[0.0; 4] };
+        let reach = if G::SPACE { &layout.reach[reach] } else { &[real(0.0); 4] };
         let measured = G::measure(&s.x, &s.d, ends, reach);
-        let gradient: [f64; 3] = measured.gradient().into();
-        let [mut moves, mut free, mut c] = [0.0; 3];
+        let gradient: [Real; 3] = measured.gradient().into();
+        let [mut moves, mut free, mut c] = [real(0.0); 3];
         for (k, g) in gradient[..if G::SPACE { 3 } else { 1 }].iter().enumerate() {
             let [p, q] = ends.map(|m| m + k);
             moves += g * (s.d[q] - s.d[p]);

@@ -11,9 +11,13 @@
 
 use ca_core::State;
 use ca_core::law::Phi;
+use ca_core::numeric::{Real, real};
 use ca_core::op::layout::Layout;
 use ca_core::op::links::measure::{Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, MeasureKind, Op};
+
+/// What a port on a line needs beside its ends.
+const NOWHERE: [Real; 4] = [real(0.0); 4];
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
 pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
@@ -27,17 +31,17 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
     let (near_length, far_length, lengths) = (op.ports.reach, far, &mut s.lengths[..]);
     let (near, far) = (reach::<A>(layout, op.ports.reach, n), reach::<B>(layout, far, n));
     let e0 = &layout.e0[op.first..][..n];
-    let columns: [&[f64]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
         // a port on a line keeps no length
-        let mut none = 0.0;
+        let mut none = real(0.0);
         let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
-        let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &[0.0; 4] }, last);
+        let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &NOWHERE }, last);
         let last = if B::SPACE { &mut lengths[far_length + i] } else { &mut none };
-        let b = B::follow(x, d, second, if B::SPACE { &far[i] } else { &[0.0; 4] }, last);
+        let b = B::follow(x, d, second, if B::SPACE { &far[i] } else { &NOWHERE }, last);
         let c = core::array::from_fn(|k| columns[k][i]);
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
         let force = P::force(&c, m, &layout.tables, a.e + b.e + e0[i], a.w + b.w);
@@ -50,7 +54,7 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
 }
 
 /// What ports in space need beside their ends; a line needs nothing and has no entries.
-fn reach<G: Measure>(layout: &Layout, first: usize, n: usize) -> &[[f64; 4]] {
+fn reach<G: Measure>(layout: &Layout, first: usize, n: usize) -> &[[Real; 4]] {
     if G::SPACE { &layout.reach[first..][..n] } else { &[] }
 }
 

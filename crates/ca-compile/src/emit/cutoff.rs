@@ -66,7 +66,7 @@ pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<Blocker> 
     let mut all = Vec::new();
     for o in still_first(net.outs.iter().filter(|o| is_passed(net, o)).collect()) {
         let Some(f) = cutoff(net, o).filter(|_| o.hear != Hear::Acceleration) else {
-            all.push(Blocker { r: 0.0, g: 1.0 });
+            all.push(Blocker { r: real(0.0), g: real(1.0) });
             continue;
         };
         if f * net.tick_dt >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {

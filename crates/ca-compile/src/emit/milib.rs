@@ -14,7 +14,7 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::numeric::Real;
+use ca_core::numeric::{Real, real};
 use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::scene::{Order, start};
@@ -48,7 +48,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
     let n = layout.n_mat;
     let mut s = written;
     let delayed: Vec<Real> =
-        (0..n).map(|i| layout.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { 0.0 } else { s.d[i] }).collect();
+        (0..n).map(|i| layout.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { real(0.0) } else { s.d[i] }).collect();
     for op in forces.iter().filter(|op| op.name == "weight") {
         (op.kernel)(op, layout, &mut s);
     }
@@ -58,7 +58,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
             s.d[i] = p * s.d[i] + q * s.x[i] + c * s.f[i];
             s.x[i] += s.d[i];
         }
-        s.f[i] = 0.0;
+        s.f[i] = real(0.0);
     }
     let mut s = start(layout, forces, Order::Exact, s);
     let forces_at = |speed: &dyn Fn(usize) -> Real| {

@@ -47,7 +47,7 @@ fn coefs(net: &Pruned, l: &LiaNode) -> Vec<Real> {
 
 /// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
 fn force(net: &Pruned, l: &LiaNode, c: &[Real], e: Real) -> Real {
-    (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
+    (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, real(0.0))
 }
 
 fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
@@ -57,7 +57,7 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        wide(measure(m.measure(), &places.map(real), &[0.0; 6], [0, 3], &reach.map(real)).e)
+        wide(measure(m.measure(), &places.map(real), &[real(0.0); 6], [0, 3], &reach.map(real)).e)
     };
     let second = l.onto.as_ref().map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
     let e = e0 + elongation(l.ends, l.measure, &reach[0]) + second;

@@ -25,7 +25,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
-use ca_core::numeric::{Aligned, Real, VerletList, real};
+use ca_core::numeric::{Aligned, Real, VerletList, lift, real};
 use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
@@ -243,7 +243,12 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     for (m, at) in plan.net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
-            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
+            all.extend(input.map(|input| Enx {
+                input,
+                mat: at + k as u32,
+                rest: lift(m.rest[k]),
+                implicit: implicit(at),
+            }));
         }
     }
     all
@@ -341,22 +346,22 @@ fn loaded(
         x: reals(x),
         d: v.iter().map(|v| real(v * net.tick_dt)).collect(),
         f: Aligned::zeros(layout.n_mat),
-        mem: alloc::vec![0.0; layout.n_mem],
+        mem: alloc::vec![real(0.0); layout.n_mem],
         lengths: layout.reach.iter().map(|_| UNKNOWN).collect(),
         tap: Aligned::zeros(layout.n_tap),
         last_input: input.clone(),
-        output: alloc::vec![0.0; layout.n_out],
+        output: alloc::vec![real(0.0); layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.moving_points.len()],
         slow: None,
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
-        blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
+        blocked: alloc::vec![[real(0.0); 2]; layout.blockers.len()],
         glide: layout.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
-        lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
+        lowpass: alloc::vec![real(0.0); layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
         written: Default::default(),
-        implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
+        implicit: alloc::vec![real(0.0); layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.as_ref().map(|_| Box::new(Ledger::new(layout))),
         tick: 0,

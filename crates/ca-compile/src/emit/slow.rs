@@ -154,11 +154,11 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
                 let by = if moving == Some(k) { step } else { 0.0 };
                 s.x[p.at as usize] = real(still[k] + f64::from(j) * by);
                 s.d[p.at as usize] = real(by);
-                s.f[p.at as usize] = 0.0;
+                s.f[p.at as usize] = real(0.0);
             }
             for (at, _) in reach.iter().filter(|(_, held)| *held) {
                 let at = *at as usize;
-                s.f[at] = 0.0;
+                s.f[at] = real(0.0);
                 if j > 1 {
                     s.x[at] += s.d[at];
                 }
@@ -187,7 +187,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
         for (column, moved) in [(1 + 2 * k, false), (2 + 2 * k, true)].into_iter().take(1 + usize::from(motion)) {
             let mut s = blank.clone();
             let of = if moved { &mut s.d } else { &mut s.x };
-            of[*at as usize] = 1.0;
+            of[*at as usize] = real(1.0);
             for (i, (mean, always)) in frame_of(s, None).iter().zip(&always).enumerate() {
                 known[i * width + column] = mean - always;
             }
@@ -237,7 +237,7 @@ fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
 /// A state in which nothing was put anywhere.
 pub fn blank(loaded: &State, slow: SlowState) -> State {
     let mut s = State { ledger: None, slow: Some(alloc::boxed::Box::new(slow)), ..loaded.clone() };
-    s.x.fill(0.0);
-    s.d.fill(0.0);
+    s.x.fill(real(0.0));
+    s.d.fill(real(0.0));
     s
 }

@@ -56,7 +56,7 @@ pub fn advance<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State
         s.d[m] = if j == 0 { slow.state.d[p.own as usize] * real(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
         s.x[m] = x;
         if k < group.coupled {
-            s.f[m] = 0.0;
+            s.f[m] = real(0.0);
         }
     }
     s.slow = Some(slow);

@@ -11,7 +11,7 @@
 //! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
 //! held by the device until the next.
 
-use crate::numeric::real;
+use crate::numeric::{bare, real};
 use crate::op::layout::{Enx, Layout, Shape};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
@@ -88,7 +88,7 @@ fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -
 /// Takes in the positions of all ports for the frame that begins.
 fn begin<const LATE: bool>(layout: &Layout, s: &mut State, ports: &[Enx]) {
     for (k, p) in ports.iter().enumerate() {
-        let x = arrive::<LATE>(layout, s, k, p) - p.rest;
+        let x = arrive::<LATE>(layout, s, k, p) - bare(p.rest);
         let b = &mut s.border[k];
         b.from = if s.tick == 0 { x } else { b.to };
         b.to = x;
@@ -104,8 +104,8 @@ fn place(s: &mut State, ports: &[Enx], at: impl Fn(&Border) -> f64) {
     let (d, f) = (&mut s.d[..x.len()], &mut s.f[..x.len()]);
     for (p, b) in ports.iter().zip(&s.border) {
         let (m, to) = (p.mat as usize, real(at(b)));
-        d[m] = if first { 0.0 } else { to - x[m] };
+        d[m] = if first { real(0.0) } else { to - x[m] };
         x[m] = to;
-        f[m] = 0.0;
+        f[m] = real(0.0);
     }
 }

@@ -10,7 +10,7 @@
 
 use super::{free_motion, mobility};
 use crate::law::Bound;
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use crate::op::layout::Layout;
 use crate::op::{Energies, Law, Op, SolveStage};
 use crate::state::State;
@@ -24,7 +24,7 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
         code,
         mem: MEM,
         // what is at rest at load holds
-        start: |_, _, mem| mem.fill(0.0),
+        start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         bound: |_, _| Bound { curve: true, ..Bound::default() },
         kernel: |_| rub,
@@ -42,13 +42,13 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
         let mem = op.mem + MEM * i;
         let stuck = s.mem[mem] != 0.0;
         // what stuck has no motion but that of rounding
-        let w = if stuck { 0.0 } else { s.d[q] - s.d[p] };
+        let w = if stuck { real(0.0) } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
         let c = mobility(layout, s, p) + mobility(layout, s, q);
         let (force, sticks) = hold([f, fd], [w, r], c, stuck);
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[mem] = if sticks { 1.0 } else { 0.0 };
+        s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
         s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
@@ -61,7 +61,7 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
 pub fn hold([f, fd]: [Real; 2], [w, r]: [Real; 2], c: Real, stuck: bool) -> (Real, bool) {
     let most = if stuck { f } else { fd };
     if w * r < 0.0 || (c <= 0.0 && r == 0.0) {
-        return (0.0, stuck && c <= 0.0);
+        return (real(0.0), stuck && c <= 0.0);
     }
     // between two ports nothing can be held
     let needed = if c > 0.0 { r / c } else { Real::INFINITY.copysign(r) };

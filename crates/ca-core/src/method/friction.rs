@@ -28,7 +28,7 @@ use crate::state::active_contacts::ActiveContact;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (docs/numerics.md §3.5).
-const STEEPEST: Real = 4.0;
+const STEEPEST: Real = real(4.0);
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {
@@ -48,7 +48,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     Law {
         code,
         mem: 1,
-        start: |_, _, mem| mem.fill(0.0),
+        start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[0]),
         bound: bound::<P, C>,
         kernel: |_| rub::<P, C, NEWTON>,
@@ -63,7 +63,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     Law {
         code,
         mem: 2,
-        start: |_, _, mem| mem.fill(0.0),
+        start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         bound: bound::<P, C>,
         kernel: kernel::<P, C>,
@@ -97,8 +97,8 @@ fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout
         let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
         let mut steep = P::chord(&coef, tables, w).max(0.0);
         if NEWTON && 2.0 * c * real(P::bound(&coef.map(wide), tables).z) < STEEPEST {
-            let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], 0.0, |u| {
-                let force = P::force(&coef, &mut [], tables, 0.0, u);
+            let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], real(0.0), |u| {
+                let force = P::force(&coef, &mut [], tables, real(0.0), u);
                 (u + c * force - r, 1.0 + c * P::slope(&coef, tables, u))
             });
             steep = P::chord(&coef, tables, u).max(0.0);
@@ -119,10 +119,10 @@ fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: 
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
+        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, measured.w).max(0.0);
-        let link = reach::<G>(op, layout, s, i, 1.0, measured.gradient());
+        let link = reach::<G>(op, layout, s, i, real(1.0), measured.gradient());
         join(s, ActiveContact { z, ..link });
     }
 }

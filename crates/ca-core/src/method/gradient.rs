@@ -18,7 +18,7 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
-use crate::numeric::{Real, sqrt};
+use crate::numeric::{Real, real, sqrt};
 use crate::op::layout::Layout;
 use crate::op::{Energies, Law, Op, SolveStage};
 use crate::state::State;
@@ -27,7 +27,7 @@ use crate::state::State;
 pub const fn law<S: Spring>(spring: Law, other: &'static Law) -> Law {
     Law {
         mem: 1,
-        start: |_, _, mem| mem.fill(0.0),
+        start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(spring.energies.stored, |_, mem, _, _| mem[0]),
         kernel: |_| push::<S>,
         stage: SolveStage::Single(other),
@@ -59,8 +59,8 @@ fn push<S: Spring>(op: &Op, layout: &Layout, s: &mut State) {
         let now = contact.penetration(e);
         let a = now + contact.side * (s.d[q] - s.d[p]);
         let free = contact.penetration(e + (free_motion(layout, s, q) - free_motion(layout, s, p)));
-        let z = if now > 0.0 { contact.spring.viscosity(contact.k, now) } else { 0.0 };
-        let (mut force, mut heat) = (0.0, 0.0);
+        let z = if now > 0.0 { contact.spring.viscosity(contact.k, now) } else { real(0.0) };
+        let (mut force, mut heat) = (real(0.0), real(0.0));
         if free > 0.0 || a > 0.0 || z > 0.0 {
             let c = mobility(layout, s, p) + mobility(layout, s, q);
             let beta = 0.5 * c * z;
@@ -71,7 +71,7 @@ fn push<S: Spring>(op: &Op, layout: &Layout, s: &mut State) {
             force += 0.5 * z * moved;
             heat = 0.25 * z * moved * moved;
             if contact.clip && force < 0.0 {
-                (force, heat) = (0.0, 0.5 * (contact.potential(a) - contact.potential(free)));
+                (force, heat) = (real(0.0), 0.5 * (contact.potential(a) - contact.potential(free)));
             }
         }
         let tension = -contact.side * force;

@@ -11,7 +11,7 @@
 //! modes do not change. Decides against elimination one after the other, which is right for linear springs alone.
 
 use super::free_motion;
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use crate::op::Op;
 use crate::op::layout::{Layout, SolvedModal};
 use crate::state::State;
@@ -25,7 +25,7 @@ pub fn ahead(op: &Op, layout: &Layout, s: &mut State) {
         let more: Real = (p.first as usize..).zip(shares).map(|(mode, w)| w * change(mode)).sum();
         let mobility = s.coef[2 * layout.n_mat + m];
         // at a node of all modes nothing moves
-        let force = if mobility > 0.0 { more / mobility } else { 0.0 };
+        let force = if mobility > 0.0 { more / mobility } else { real(0.0) };
         (s.tap[tap], s.tap[tap + 1], s.f[m]) = (s.f[m], force, force);
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn couple(layout: &Layout, push: &mut [Real], tap: &mut [Real]) {
 /// Leaves no push on such masses.
 pub(super) fn clear(layout: &Layout, push: &mut [Real]) {
     for h in &layout.solved_modal {
-        push[h.mat as usize] = 0.0;
+        push[h.mat as usize] = real(0.0);
     }
 }
 

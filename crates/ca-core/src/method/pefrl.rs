@@ -46,7 +46,7 @@ impl Body for Drift {
         let (n, share) = (op.n, DRIFTS[op.first]);
         for ((x, d), f) in s.x[..n].iter_mut().zip(&s.d[..n]).zip(&mut s.f[..n]) {
             *x += share * d;
-            *f = 0.0;
+            *f = real(0.0);
         }
     }
 }

@@ -30,7 +30,7 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility, modes};
-use crate::numeric::{Real, SINGLE, sqrt};
+use crate::numeric::{Real, SINGLE, real, sqrt};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, Op, SolveStage};
@@ -39,9 +39,9 @@ use crate::state::active_contacts::{ActiveContact, ActiveContacts};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
-const EXACT: Real = if SINGLE { 3e-13 } else { 1e-30 };
+const EXACT: Real = real(if SINGLE { 3e-13 } else { 1e-30 });
 /// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
-const NOTHING: Real = if SINGLE { 1e-35 } else { 1e-200 as Real };
+const NOTHING: Real = real(if SINGLE { 1e-35 } else { 1e-200 });
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring>(spring: Law) -> Law {
@@ -50,7 +50,7 @@ pub const fn law<S: Spring>(spring: Law) -> Law {
         start: |c, e, mem| {
             let b = Contact::<S>::of(c);
             mem[0] = sqrt(2.0 * b.potential(b.penetration(e)));
-            mem[1] = 0.0;
+            mem[1] = real(0.0);
         },
         energies: Energies::kept(|_, mem, _, _, _| 0.5 * mem[0] * mem[0], |_, mem, _, _| mem[1]),
         kernel: kernel::<S>,
@@ -72,12 +72,12 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
     for i in 0..op.n {
         let contact = Contact::<S>::read(s, op.coef, op.n, i);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [0.0; 4] };
+        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
         let mem = op.mem + 2 * i;
         let psi = s.mem[mem];
-        s.mem[mem + 1] = 0.0;
+        s.mem[mem + 1] = real(0.0);
         if op.form.tap {
-            s.tap[op.tap + i] = 0.0;
+            s.tap[op.tap + i] = real(0.0);
         }
         if psi == 0.0 {
             // idle, without the square root
@@ -95,11 +95,11 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         let (free, w) = (link.free, link.diag);
         let (gamma, z) = match (eta >= 0.0, free < 0.0) {
             (true, opening) => {
-                let gamma = if opening && psi == 0.0 { 0.0 } else { contact.spring.gamma(contact.k, eta) };
+                let gamma = if opening && psi == 0.0 { real(0.0) } else { contact.spring.gamma(contact.k, eta) };
                 (gamma, contact.spring.viscosity(contact.k, eta))
             }
-            (false, true) => (4.0 * psi / (sqrt(free * free + 4.0 * w * psi * psi) - free), 0.0),
-            (false, false) => (0.0, 0.0),
+            (false, true) => (4.0 * psi / (sqrt(free * free + 4.0 * w * psi * psi) - free), real(0.0)),
+            (false, false) => (real(0.0), real(0.0)),
         };
         join(s, ActiveContact { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
     }
@@ -117,7 +117,7 @@ pub(super) fn reach<G: Measure>(
 ) -> ActiveContact {
     let g: [Real; 3] = (u * -side).into();
     let (ends, axes) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
-    let (mut free, mut w) = (0.0, 0.0);
+    let (mut free, mut w) = (real(0.0), real(0.0));
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
         free += g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
@@ -165,7 +165,7 @@ fn respond<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODE
     }
     for t in &*list {
         for (a, b, _) in places(t) {
-            (push[a], push[b]) = (0.0, 0.0);
+            (push[a], push[b]) = (real(0.0), real(0.0));
         }
     }
     if MODES {
@@ -179,9 +179,9 @@ fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MO
         t.p = t.gamma * t.psi;
     }
     respond(list, to);
-    let mut rho = 0.0;
+    let mut rho = real(0.0);
     for t in &mut *list {
-        (t.y, t.r) = (0.0, t.free - t.q);
+        (t.y, t.r) = (real(0.0), t.free - t.q);
         t.p = t.r / t.diag;
         rho += t.r * t.p;
     }
@@ -193,13 +193,13 @@ fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MO
             break;
         }
         respond(list, to);
-        let mut along = 0.0;
+        let mut along = real(0.0);
         for t in &mut *list {
             t.q += t.p / t.stiff;
             along += t.p * t.q;
         }
         let (step, before) = (rho / along, rho);
-        rho = 0.0;
+        rho = real(0.0);
         for t in &mut *list {
             t.y += step * t.p;
             t.r -= step * t.q;
@@ -248,7 +248,7 @@ fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
         t.p = t.gamma * t.psi + t.y;
         let left = (t.psi + 0.5 * t.gamma * moved).abs();
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
-        s.mem[t.mem] = if nothing { 0.0 } else { left };
+        s.mem[t.mem] = if nothing { real(0.0) } else { left };
         s.mem[t.mem + 1] = 0.25 * t.z * moved * moved;
         for k in 0..t.axes {
             let [a, b] = t.ends.map(|m| m as usize + k);
@@ -261,7 +261,7 @@ fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
     }
     if acting < all.len() {
         for t in &mut all[acting..] {
-            t.p = 0.0;
+            t.p = real(0.0);
         }
         respond(all, &mut Response::<MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap });
         for t in &all[acting..] {

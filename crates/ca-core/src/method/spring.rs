@@ -5,7 +5,7 @@
 //! power law F = q η^p is then 2q/(p + 1).
 
 use super::newton::root;
-use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root, sqrt};
+use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root, real, sqrt};
 use crate::state::State;
 
 /// The elastic part of a law and its losses.
@@ -65,7 +65,7 @@ impl<S: Spring> Contact<S> {
 
     /// Potential energy \[J\] at a penetration.
     pub fn potential(&self, eta: Real) -> Real {
-        if eta > 0.0 { 0.5 * self.k * self.spring.hard(eta) * eta * eta } else { 0.0 }
+        if eta > 0.0 { 0.5 * self.k * self.spring.hard(eta) * eta * eta } else { real(0.0) }
     }
 
     /// (U(s) − U(a)) / (s − a) \[N\].
@@ -75,7 +75,7 @@ impl<S: Spring> Contact<S> {
             (true, true) => 0.5 * k * spring.mean(s, a),
             (true, false) => 0.5 * k * spring.hard(s) * s * (s / (s - a)),
             (false, true) => 0.5 * k * spring.hard(a) * a * (a / (a - s)),
-            (false, false) => 0.0,
+            (false, false) => real(0.0),
         }
     }
 }
@@ -96,7 +96,7 @@ impl Spring for Linear {
         self.z
     }
     fn hard(self, _eta: Real) -> Real {
-        1.0
+        real(1.0)
     }
     fn mean(self, s: Real, a: Real) -> Real {
         s + a
@@ -149,12 +149,12 @@ impl Spring for Power {
     /// root is near whatever the stiffness.
     fn pressed(self, e: Real, a: Real, h: Real) -> Real {
         if e <= 0.0 {
-            return 0.0;
+            return real(0.0);
         }
         let (n, most) = (self.n, e / h);
         let far = quarter_root(most, n);
         let guess = if far < -a { quarter_root(most * -a, n + 4.0) } else { far };
-        root(e.min(guess), [0.0, e], a.max(0.0), |s| {
+        root(e.min(guess), [real(0.0), e], a.max(0.0), |s| {
             let p = quarter_power(s, n);
             let (mean, d) = (if a > 0.0 { self.mean(s, a) } else { p * (s / (s - a)) }, s - a);
             let even = d.abs() <= 1e-6 * s;

@@ -5,7 +5,7 @@
 //! could not be seen as plain numbers without unsafe code, and a crate that does so brings more than this file. What a tick
 //! computes does not depend on where an array begins.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::{Deref, DerefMut};
@@ -27,7 +27,7 @@ pub struct Aligned {
 impl Aligned {
     /// `len` times 0.
     pub fn zeros(len: usize) -> Aligned {
-        let mut all = alloc::vec![0.0; len + NUMBERS - 1];
+        let mut all = alloc::vec![real(0.0); len + NUMBERS - 1];
         // where the address cannot be asked for, any is as good
         let first = all.as_ptr().align_offset(LINE).min(NUMBERS - 1);
         all.truncate(first + len);
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn every_array_begins_at_a_line_and_keeps_its_numbers() {
         for n in [0, 1, 7, 8, 9, 1000] {
-            let numbers: Vec<Real> = (0..n).map(|i| i as Real).collect();
+            let numbers: Vec<Real> = (0..n).map(|i| real(f64::from(i))).collect();
             let mut a: Aligned = numbers.iter().copied().collect();
             assert_eq!(a[..], numbers[..]);
             assert_eq!(a.as_ptr() as usize % LINE, 0, "{n} numbers");
@@ -125,7 +125,7 @@ mod tests {
             a.clone_from(&moved);
             assert_eq!(a, *moved);
             a.clone_from(&Aligned::zeros(3));
-            assert_eq!(a[..], [0.0; 3]);
+            assert_eq!(a[..], [real(0.0); 3]);
         }
     }
 }

@@ -34,16 +34,23 @@ impl Table {
         let step = (points[last][0] - points[0][0]) / last as f64;
         let even =
             points.iter().enumerate().all(|(i, p)| (p[0] - (points[0][0] + i as f64 * step)).abs() < 1e-9 * step);
-        let per = if even { real(1.0 / step) } else { 0.0 };
+        let per = if even { real(1.0 / step) } else { real(0.0) };
         let [x, y] = [0, 1].map(|k| points.iter().map(|p| real(p[k])).collect::<Vec<_>>());
-        let mut t = Table { area: alloc::vec![0.0; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
+        let mut t = Table { area: alloc::vec![real(0.0); x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + 0.5 * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
         t.slopes = (0..t.x.len() - 1).map(|i| wide(t.rise(i))).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
-        let zero = t.raw_integral(0.0);
+        let zero = t.raw_integral(real(0.0));
         t.area.iter_mut().for_each(|a| *a -= zero);
         Some(t)
+    }
+
+    /// Calls `visit` for each of its numbers.
+    #[cfg(dual)]
+    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
+        [&mut self.x, &mut self.y, &mut self.area].into_iter().flatten().for_each(&mut *visit);
+        visit(&mut self.per);
     }
 
     /// The segment that holds `x`, which lies between the ends.
@@ -51,7 +58,7 @@ impl Table {
     fn segment(&self, x: Real) -> usize {
         let last = self.x.len() - 2;
         let i = if self.per > 0.0 {
-            ((x - self.x[0]) * self.per) as usize
+            wide((x - self.x[0]) * self.per) as usize
         } else {
             self.x.partition_point(|v| *v <= x).saturating_sub(1)
         };
@@ -102,7 +109,7 @@ impl Table {
 
     /// The slope at `x`; 0 outside.
     pub fn slope(&self, x: Real) -> Real {
-        if self.spans(x) { self.rise(self.segment(x)) } else { 0.0 }
+        if self.spans(x) { self.rise(self.segment(x)) } else { real(0.0) }
     }
 
     /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
@@ -113,7 +120,7 @@ impl Table {
                 return self.rise(i);
             }
         }
-        if x == 0.0 { 0.0 } else { self.at(x) / x }
+        if x == 0.0 { real(0.0) } else { self.at(x) / x }
     }
 
     /// Largest and smallest slope of any segment.
@@ -123,6 +130,6 @@ impl Table {
 
     /// True where y has the sign of x everywhere: as friction it only takes energy.
     pub fn resists(&self) -> bool {
-        self.x.iter().zip(&self.y).all(|(x, y)| x * y >= 0.0) && self.at(0.0) == 0.0
+        self.x.iter().zip(&self.y).all(|(x, y)| x * y >= 0.0) && self.at(real(0.0)) == 0.0
     }
 }

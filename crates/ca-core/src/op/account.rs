@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{Real, Table, wide as widened};
+use crate::numeric::{Real, Table, real, wide as widened};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -150,7 +150,7 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize>(
     for i in 0..n {
         let c = core::array::from_fn(|k| columns[k][i]);
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-        let mem = if M == 0 { [0.0; M] } else { numbers(&memory[i * M..]) };
+        let mem = if M == 0 { [real(0.0); M] } else { numbers(&memory[i * M..]) };
         let e = e(i);
         stored[i] = P::stored(&c, &mem, tables, e[1], e[2]);
         lost[i] = P::lost(&c, &mem, tables, e);
@@ -256,7 +256,7 @@ impl WithSimd for Enter<'_> {
 /// Link by link, by the functions of the law.
 fn one_by_one(links: &Links, e: &[Block; 3], [stored, lost]: &mut [Block; 2]) {
     let a = links.account;
-    let mut room = [0.0; COEFS];
+    let mut room = [real(0.0); COEFS];
     let c = a.coefs.min(COEFS);
     for i in 0..links.n {
         room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
@@ -301,7 +301,7 @@ fn measured(links: &Links, d0: &[Real], e: &mut [Block; 3], moved: &mut Block) {
     for e in e.iter_mut() {
         e[..n].copy_from_slice(e0);
     }
-    moved[..n].fill(0.0);
+    moved[..n].fill(real(0.0));
     port(links, d0, (a.ports.measure, &layout.ends, a.first, a.ports.reach), e, moved);
     if let Some((measure, first, reach)) = a.ports.onto {
         port(links, d0, (measure, &layout.onto, first, reach), e, moved);
@@ -319,7 +319,7 @@ fn port(
 ) {
     let Links { layout, s, from, n, .. } = *links;
     let n = n.min(BLOCK);
-    let (ends, none) = (&ends[first + from..][..n], [[0.0; 4]; BLOCK]);
+    let (ends, none) = (&ends[first + from..][..n], [[real(0.0); 4]; BLOCK]);
     let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.reach[reach + from..][..n] };
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
     // a loop for each, so that none asks which it is; a closure would not be compiled for the vectors of the machine

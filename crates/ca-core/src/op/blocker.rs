@@ -6,7 +6,7 @@
 
 use super::Op;
 use super::pass::Heard;
-use crate::numeric::{Real, TINY, wide};
+use crate::numeric::{Real, TINY, outer, real};
 use crate::op::layout::{Blocker, Layout, Tap};
 use crate::state::State;
 
@@ -15,7 +15,7 @@ pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
     for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
         let y = step(*c, &mut s.blocked[k], s.tick, v);
-        s.output[o.channel as usize] += wide(y);
+        s.output[o.channel as usize] += outer(y);
     }
 }
 
@@ -26,16 +26,16 @@ pub fn of_motion(op: &Op, layout: &Layout, s: &mut State) {
         let Tap::Position(m) = o.tap else { continue };
         let v = s.coef[op.coef + k] * s.d[m as usize];
         let y = step(*c, &mut s.blocked[before + k], s.tick, v);
-        s.output[o.channel as usize] += wide(y);
+        s.output[o.channel as usize] += outer(y);
     }
 }
 
 /// What a high pass makes of `v`.
 #[inline(always)]
 fn step(c: Blocker, kept: &mut [Real; 2], tick: u64, v: Real) -> Real {
-    let [before, y] = if tick == 0 { [v, 0.0] } else { *kept };
+    let [before, y] = if tick == 0 { [v, real(0.0)] } else { *kept };
     let y = c.r * y + c.g * (v - before);
-    let y = if y.abs() < TINY { 0.0 } else { y };
+    let y = if y.abs() < TINY { real(0.0) } else { y };
     *kept = [v, y];
     y
 }

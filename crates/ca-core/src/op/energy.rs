@@ -10,7 +10,7 @@ use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
-use crate::numeric::{Real, VerletList, wide};
+use crate::numeric::{Real, VerletList, real, wide};
 use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
@@ -26,11 +26,11 @@ impl Ledger {
             lost: alloc::vec![0.0; n_lia],
             scheme_error: alloc::vec![0.0; n_lia],
             stored: alloc::vec![0.0; n_lia],
-            d0: alloc::vec![0.0; n_mat],
+            d0: alloc::vec![real(0.0); n_mat],
             port: alloc::vec![0.0; ports],
             work: alloc::vec![0.0; ports],
             hands: alloc::vec![Exchange::default(); tgr],
-            points: alloc::vec![[0.0; 2]; points],
+            points: alloc::vec![[real(0.0); 2]; points],
             stored_batches: alloc::vec![0.0; accounts],
             mass: alloc::vec![0.0; n_mat],
             ..Ledger::default()

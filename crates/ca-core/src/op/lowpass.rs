@@ -5,7 +5,7 @@
 //! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
 
 use super::Op;
-use crate::numeric::{Real, real, wide};
+use crate::numeric::{Outer, Real, inner, outer};
 use crate::op::layout::Layout;
 use crate::state::State;
 
@@ -21,7 +21,7 @@ pub fn lowpass(op: &Op, layout: &Layout, s: &mut State) {
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
             y += h * (a + b);
         }
-        *out = wide(y);
+        *out = outer(y);
     }
 }
 
@@ -35,7 +35,7 @@ pub fn remember(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-fn keep(past: &mut [Real], at: usize, n: usize, v: f64) {
-    past[at] = real(v);
+fn keep(past: &mut [Real], at: usize, n: usize, v: Outer) {
+    past[at] = inner(v);
     past[at + n] = past[at];
 }

@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::numeric::{Real, TINY, real, wide};
+use crate::numeric::{Outer, Real, TINY, bare, inner, lift, outer, real};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::{Cell, State};
 
@@ -11,15 +11,15 @@ use crate::state::{Cell, State};
 /// those whose motion is part of the start.
 pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
     for p in &layout.enx[..op.n] {
-        let x = real(s.valid_input(p.input) - p.rest);
+        let x = inner(s.valid_input(p.input) - p.rest);
         let m = p.mat as usize;
         if s.tick > 0 {
             s.d[m] = x - s.x[m];
         } else if !p.implicit {
-            s.d[m] = 0.0;
+            s.d[m] = real(0.0);
         }
         s.x[m] = x;
-        s.f[m] = 0.0;
+        s.f[m] = real(0.0);
     }
 }
 
@@ -49,19 +49,19 @@ pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
     }
 }
 
-fn coordinate(layout: &Layout, s: &State, place: CoordinateSource) -> f64 {
+fn coordinate(layout: &Layout, s: &State, place: CoordinateSource) -> Outer {
     let v = match place {
-        CoordinateSource::Coef(c) => wide(s.coef[c as usize]),
-        CoordinateSource::Mat(m) => wide(s.x[m as usize]) + wide(layout.rest[m as usize]),
+        CoordinateSource::Coef(c) => outer(s.coef[c as usize]),
+        CoordinateSource::Mat(m) => outer(s.x[m as usize]) + outer(layout.rest[m as usize]),
     };
     // a coordinate that is not a number stays where nothing is hurt
-    if v >= 0.0 { v.min(1.0) } else { 0.0 }
+    if v >= 0.0 { v.min(1.0) } else { lift(0.0) }
 }
 
 /// Node and weight along one direction of `n` nodes.
-pub fn step(u: f64, n: u32) -> (u32, f64) {
+pub fn step(u: Outer, n: u32) -> (u32, Outer) {
     let at = u * f64::from(n - 1);
-    let i = (at as u32).min(n.saturating_sub(2));
+    let i = (bare(at) as u32).min(n.saturating_sub(2));
     (i, at - f64::from(i))
 }
 
@@ -70,13 +70,17 @@ pub fn cell(layout: &Layout, s: &State, p: &MovingPoint) -> Cell {
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
     let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
-        return Cell { n: 2, node: [node(i, 0), node(i + 1, 0), 0, 0], weight: [1.0 - a, a, 0.0, 0.0].map(real) };
+        return Cell {
+            n: 2,
+            node: [node(i, 0), node(i + 1, 0), 0, 0],
+            weight: [1.0 - a, a, lift(0.0), lift(0.0)].map(inner),
+        };
     }
     let (j, b) = step(coordinate(layout, s, p.at[1]), p.size[1]);
     Cell {
         n: 4,
         node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
-        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b].map(real),
+        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b].map(inner),
     }
 }
 
@@ -84,7 +88,7 @@ pub fn cell(layout: &Layout, s: &State, p: &MovingPoint) -> Cell {
 pub fn project(op: &Op, layout: &Layout, s: &mut State) {
     for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         let c = s.cells[k];
-        let (mut x, mut d) = (0.0, 0.0);
+        let (mut x, mut d) = (real(0.0), real(0.0));
         for q in 0..c.n {
             x += c.weight[q] * s.x[c.node[q] as usize];
             d += c.weight[q] * s.d[c.node[q] as usize];
@@ -92,7 +96,7 @@ pub fn project(op: &Op, layout: &Layout, s: &mut State) {
         let m = p.mat as usize;
         s.x[m] = x;
         s.d[m] = d;
-        s.f[m] = 0.0;
+        s.f[m] = real(0.0);
     }
 }
 
@@ -114,7 +118,7 @@ pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
         let share = &layout.shares[p.share as usize..][..n];
         let dot = |q: &[Real]| {
             // four sums side by side: one after the other they would wait for each other
-            let mut part = [0.0; 4];
+            let mut part = [real(0.0); 4];
             let (q, w) = (q[p.first as usize..][..n].chunks_exact(4), share.chunks_exact(4));
             let rest: Real = q.remainder().iter().zip(w.remainder()).map(|(q, w)| q * w).sum();
             for (q, w) in q.zip(w) {
@@ -126,7 +130,7 @@ pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
         };
         let m = p.mat as usize;
         (s.x[m], s.d[m]) = (dot(&s.x), dot(&s.d));
-        s.f[m] = 0.0;
+        s.f[m] = real(0.0);
     }
 }
 
@@ -147,14 +151,14 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
     let State { x, f, tap, coef, output, .. } = s;
     let heard = Heard { x, f, tap };
     let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-    output.fill(0.0);
-    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), 0.0);
+    output.fill(lift(0.0));
+    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), lift(0.0));
     for (o, gain) in outputs.iter().zip(gains) {
         if o.channel != channel {
             output[channel as usize] = sum;
-            (channel, sum) = (o.channel, 0.0);
+            (channel, sum) = (o.channel, lift(0.0));
         }
-        sum += wide(gain * heard.by(o));
+        sum += outer(gain * heard.by(o));
     }
     if !outputs.is_empty() {
         output[channel as usize] = sum;
@@ -165,7 +169,7 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
 pub fn motions(op: &Op, layout: &Layout, s: &mut State) {
     for (o, gain) in layout.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
         if let Tap::Position(m) = o.tap {
-            s.output[o.channel as usize] += wide(gain * s.d[m as usize]);
+            s.output[o.channel as usize] += outer(gain * s.d[m as usize]);
         }
     }
 }
@@ -189,7 +193,7 @@ impl Body for ManyOutputs {
         let State { x, f, tap, coef, output, .. } = s;
         let heard = Heard { x, f, tap };
         let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-        output.fill(0.0);
+        output.fill(lift(0.0));
         for row in &layout.output_rows {
             let (of_channel, other_outputs) = outputs.split_at(row.n as usize);
             let (own, other_gains) = gains.split_at(row.n as usize);
@@ -197,11 +201,11 @@ impl Body for ManyOutputs {
             let pairs = || of_channel.iter().zip(own);
             output[row.channel as usize] = match row.first {
                 Some(first) => dot(own, &heard.x[first as usize..][..own.len()]),
-                None if own.len() < MANY => pairs().fold(0.0, |sum, (o, gain)| sum + wide(gain * heard.by(o))),
+                None if own.len() < MANY => pairs().fold(lift(0.0), |sum, (o, gain)| sum + outer(gain * heard.by(o))),
                 None => {
-                    let mut lanes = [0.0; LANES];
+                    let mut lanes = [lift(0.0); LANES];
                     for (i, (o, gain)) in pairs().enumerate() {
-                        lanes[i % LANES] += wide(gain * heard.by(o));
+                        lanes[i % LANES] += outer(gain * heard.by(o));
                     }
                     in_pairs(lanes)
                 }
@@ -211,22 +215,22 @@ impl Body for ManyOutputs {
 }
 
 #[inline(always)]
-fn dot(gains: &[Real], x: &[Real]) -> f64 {
-    let mut lanes = [0.0; LANES];
+fn dot(gains: &[Real], x: &[Real]) -> Outer {
+    let mut lanes = [lift(0.0); LANES];
     let ((gains, last_gains), (x, last)) = (gains.as_chunks::<LANES>(), x.as_chunks::<LANES>());
     for (gain, x) in gains.iter().zip(x) {
         for k in 0..LANES {
-            lanes[k] += wide(gain[k] * x[k]);
+            lanes[k] += outer(gain[k] * x[k]);
         }
     }
     for (k, (gain, x)) in last_gains.iter().zip(last).enumerate() {
-        lanes[k] += wide(gain * x);
+        lanes[k] += outer(gain * x);
     }
     in_pairs(lanes)
 }
 
 #[inline(always)]
-fn in_pairs([a, b, c, d, e, f, g, h]: [f64; LANES]) -> f64 {
+fn in_pairs([a, b, c, d, e, f, g, h]: [Outer; LANES]) -> Outer {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
@@ -237,7 +241,7 @@ pub fn positions(op: &Op, layout: &Layout, s: &mut State) {
     for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {
         if let Tap::Position(m) = o.tap {
             // as a sum gives it, which is never -0
-            *v = 0.0 + wide(gain * x[m as usize]);
+            *v = 0.0 + outer(gain * x[m as usize]);
         }
     }
 }
@@ -296,13 +300,13 @@ fn free(x: &mut [Real], d: &mut [Real], f: &mut [Real], c: &[Real]) {
         for k in 0..SIDE_BY_SIDE {
             d[k] += c[k] * f[k];
             x[k] += d[k];
-            f[k] = 0.0;
+            f[k] = real(0.0);
         }
     }
     for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
         *d += c * *f;
         *x += *d;
-        *f = 0.0;
+        *f = real(0.0);
     }
 }
 
@@ -332,12 +336,12 @@ fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
         // array by array: a loop over all three stays one of numbers
         *d = core::array::from_fn(|k| p[k] * d[k] + q[k] * x[k] + c[k] * f[k]);
         *x = core::array::from_fn(|k| x[k] + d[k]);
-        *f = [0.0; SIDE_BY_SIDE];
+        *f = [real(0.0); SIDE_BY_SIDE];
     }
     for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
         *d = p * *d + q * *x + c * *f;
         *x += *d;
-        *f = 0.0;
+        *f = real(0.0);
     }
 }
 
@@ -348,7 +352,7 @@ pub fn flush(op: &Op, layout: &Layout, s: &mut State) {
         let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {
             if v.abs() < TINY {
-                *v = 0.0;
+                *v = real(0.0);
             }
         }
     }

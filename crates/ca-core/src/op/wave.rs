@@ -6,7 +6,7 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::numeric::{Real, real, wide};
+use crate::numeric::{Real, bare, inner, wide};
 use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
@@ -36,7 +36,7 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
             Termination::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
                 let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
-                let [a, b, c] = [loss.a, loss.b, loss.c].map(real);
+                let [a, b, c] = [loss.a, loss.b, loss.c].map(inner);
                 let u = a * u1 + b * (u0 + u2);
                 let y = c * u + s.mem[memory];
                 s.mem[memory] = u - c * y;
@@ -47,7 +47,7 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
     }
     for j in &w.junctions {
         let m = j.mat as usize;
-        s.f[m] += 2.0 * real(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
+        s.f[m] += 2.0 * inner(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
         s.mem[j.memory + 2] = s.d[m];
     }
 }
@@ -87,24 +87,25 @@ pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
         let mut sum = 0.0;
         let way = if let Termination::Lossy { loss, memory } = d.end {
             let way = d.len - 3;
+            let [a, b, c] = [loss.a, loss.b, loss.c].map(bare);
             let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
-            let gain = loss.a + 2.0 * loss.b;
-            let (newer, older) = (gain * (loss.a + loss.b), gain * loss.b);
+            let gain = a + 2.0 * b;
+            let (newer, older) = (gain * (a + b), gain * b);
             let taps = |u: f64, v: f64| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(wide(s.mem[memory])) / (1.0 - loss.c * loss.c);
-            let out = energy(loss.a * u1 + loss.b * (u0 + u2));
-            heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
+            sum += taps(u0, u1) + energy(wide(s.mem[memory])) / (1.0 - c * c);
+            let out = energy(a * u1 + b * (u0 + u2));
+            heat += bare(w.junctions[d.junction].z) * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
         } else {
             d.len
         };
         let [older, newer] = d.under_way(&s.mem, s.tick, way);
         sum += squares(older) + squares(newer);
-        stored += w.junctions[d.junction].z * sum;
+        stored += bare(w.junctions[d.junction].z) * sum;
     }
     for j in &w.junctions {
         let v = 0.5 * wide(s.d[j.mat as usize] + d0[j.mat as usize]);
-        heat -= 2.0 * j.z * v * v;
+        heat -= 2.0 * bare(j.z) * v * v;
     }
     (stored, heat)
 }

@@ -20,7 +20,7 @@ pub struct Vectors {
     plain: Arch,
     /// passes whose vectors stand on cache lines
     // none of single precision do
-    #[cfg_attr(single, expect(dead_code))]
+    #[cfg_attr(any(single, dual), expect(dead_code))]
     widest: Arch,
 }
 
@@ -38,7 +38,7 @@ impl Vectors {
     }
 
     /// Runs `call` with the vectors for arrays that stand on cache lines.
-    #[cfg(not(single))]
+    #[cfg(not(any(single, dual)))]
     pub(crate) fn widest<W: pulp::WithSimd>(self, call: W) -> W::Output {
         self.widest.dispatch(call)
     }
@@ -97,7 +97,7 @@ pub(crate) fn plain<W: pulp::WithSimd>(layout: &Layout, call: W) -> W::Output {
 }
 
 /// A pass whose body is `B`, over vectors that stand on cache lines or wait for roots.
-#[cfg(not(single))]
+#[cfg(not(any(single, dual)))]
 pub fn widest<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
     layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

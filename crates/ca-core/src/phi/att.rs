@@ -6,7 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 
 /// ATT in the catalog.
 pub static KIND: Kind = Kind {
@@ -68,7 +68,7 @@ impl Phi<5, 0> for Att {
         } else if r < d {
             (fall * (d - r)).copysign(e) + z * w
         } else {
-            0.0
+            real(0.0)
         }
     }
     #[inline(always)]
@@ -80,13 +80,13 @@ impl Phi<5, 0> for Att {
         } else if r < d {
             -rest(r)
         } else {
-            0.0
+            real(0.0)
         }
     }
     #[inline(always)]
     fn lost(&[_, _, d, _, z]: &[Real; 5], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
-        if e[1].abs() < d { z * w * w } else { 0.0 }
+        if e[1].abs() < d { z * w * w } else { real(0.0) }
     }
     fn bound(&[k, _, _, fall, z]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k: k.max(fall), z, contact: true, ..Bound::default() }

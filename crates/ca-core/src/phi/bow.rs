@@ -15,7 +15,7 @@ use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
-use crate::numeric::{NONE, Real, Table};
+use crate::numeric::{NONE, Real, Table, real, wide};
 use alloc::vec::Vec;
 
 crate::choice::choice! {
@@ -166,7 +166,7 @@ impl Phi<3, 0> for Smooth {
     #[inline(always)]
     fn force(&[f, per, bell]: &[Real; 3], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
         let u = w * per;
-        tables.get(bell as usize).map_or(0.0, |t| (f * t.at(u.abs())).copysign(u))
+        tables.get(wide(bell) as usize).map_or(real(0.0), |t| (f * t.at(u.abs())).copysign(u))
     }
     #[inline(always)]
     fn lost(c: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
@@ -180,10 +180,10 @@ impl Phi<3, 0> for Smooth {
 
 impl Curve<3> for Smooth {
     fn chord(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
-        tables.get(bell as usize).map_or(0.0, |t| f * per * t.chord((w * per).abs()))
+        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.chord((w * per).abs()))
     }
     fn slope(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
-        tables.get(bell as usize).map_or(0.0, |t| f * per * t.slope((w * per).abs()))
+        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.slope((w * per).abs()))
     }
 }
 
@@ -220,7 +220,7 @@ impl Phi<5, 0> for Piecewise {
 
 impl Curve<5> for Piecewise {
     fn chord(c: &[Real; 5], tables: &[Table], w: Real) -> Real {
-        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, 0.0, w) / w }
+        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, real(0.0), w) / w }
     }
     fn slope(&[rise, v0, _, fall, v1]: &[Real; 5], _: &[Table], w: Real) -> Real {
         let v = w.abs();
@@ -229,7 +229,7 @@ impl Curve<5> for Piecewise {
         } else if v < v1 {
             -fall
         } else {
-            0.0
+            real(0.0)
         }
     }
 }
@@ -264,7 +264,7 @@ impl Curve<3> for SetValued {
         coulomb::chord(*c, w)
     }
     fn slope(c: &[Real; 3], _: &[Table], w: Real) -> Real {
-        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { 0.0 }
+        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { real(0.0) }
     }
 }
 
@@ -295,6 +295,6 @@ impl Curve<2> for Coulomb {
         (f / w.abs()).min(rise)
     }
     fn slope(&[rise, f]: &[Real; 2], _: &[Table], w: Real) -> Real {
-        if rise * w.abs() < f { rise } else { 0.0 }
+        if rise * w.abs() < f { rise } else { real(0.0) }
     }
 }

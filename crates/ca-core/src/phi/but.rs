@@ -11,7 +11,7 @@ use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 
 /// BUT in the catalog.
 pub static KIND: Kind = Kind {
@@ -81,18 +81,18 @@ impl Phi<5, 0> for But {
     #[inline(always)]
     fn force(&[k, z, d, side, clip]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
         let g = e - d;
-        let f = if side * g < 0.0 { k * g + z * w } else { 0.0 };
-        if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
+        let f = if side * g < 0.0 { k * g + z * w } else { real(0.0) };
+        if clip != 0.0 && side * f > 0.0 { real(0.0) } else { f }
     }
     #[inline(always)]
     fn potential(&[k, _, d, side, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let g = e - d;
-        if side * g < 0.0 { 0.5 * k * g * g } else { 0.0 }
+        if side * g < 0.0 { 0.5 * k * g * g } else { real(0.0) }
     }
     #[inline(always)]
     fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
-        let elastic = Self::force(&[c[0], 0.0, c[2], c[3], 0.0], &mut { *m }, t, e[1], w);
+        let elastic = Self::force(&[c[0], real(0.0), c[2], c[3], real(0.0)], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
     }
     fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {

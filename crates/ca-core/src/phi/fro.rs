@@ -7,7 +7,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 
 /// FRO in the catalog.
 pub static KIND: Kind = Kind {
@@ -64,7 +64,7 @@ impl Phi<1, 0> for Fro {
     }
     #[inline(always)]
     fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        linear_stored(0.0, z, e0, e1)
+        linear_stored(real(0.0), z, e0, e1)
     }
     #[inline(always)]
     fn lost(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {

@@ -10,7 +10,7 @@ use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
-use crate::numeric::{Real, Table, quarter_power};
+use crate::numeric::{Real, Table, quarter_power, real};
 
 /// HRZ in the catalog.
 pub static KIND: Kind = Kind {
@@ -87,20 +87,20 @@ impl Phi<5, 0> for Hrz {
         let eta = side * (d - e);
         if eta > 0.0 {
             let push = k * quarter_power(eta, n) * (1.0 - h * side * w);
-            if push > 0.0 { -side * push } else { 0.0 }
+            if push > 0.0 { -side * push } else { real(0.0) }
         } else {
-            0.0
+            real(0.0)
         }
     }
     #[inline(always)]
     fn potential(&[k, n, _, d, side]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
         let eta = side * (d - e);
-        if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { 0.0 }
+        if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { real(0.0) }
     }
     #[inline(always)]
     fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
         let w = e[1] - e[0];
-        let elastic = Self::force(&[c[0], c[1], 0.0, c[3], c[4]], &mut { *m }, t, e[1], w);
+        let elastic = Self::force(&[c[0], c[1], real(0.0), c[3], c[4]], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
     }
     fn bound(&[k, n, h, ..]: &[f64; 5], _: &[Table]) -> Bound {

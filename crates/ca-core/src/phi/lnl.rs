@@ -8,7 +8,7 @@
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
-use crate::numeric::{NONE, Real, Table};
+use crate::numeric::{NONE, Real, Table, real, wide};
 
 /// LNL in the catalog.
 pub static KIND: Kind = Kind {
@@ -75,11 +75,11 @@ impl Phi<1, 0> for TableSpring {
     }
     #[inline(always)]
     fn force(&[n]: &[Real; 1], _: &mut [Real; 0], tables: &[Table], e: Real, _w: Real) -> Real {
-        tables.get(n as usize).map_or(0.0, |t| t.at(e))
+        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(e))
     }
     #[inline(always)]
     fn potential(&[n]: &[Real; 1], _: &[Real; 0], tables: &[Table], e: Real) -> Real {
-        tables.get(n as usize).map_or(0.0, |t| t.integral(e))
+        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.integral(e))
     }
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
         let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
@@ -96,7 +96,7 @@ impl Phi<2, 0> for TableFriction {
     }
     #[inline(always)]
     fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
-        tables.get(n as usize).map_or(0.0, |t| t.at(w * fs))
+        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(w * fs))
     }
     #[inline(always)]
     fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
@@ -112,10 +112,10 @@ impl Phi<2, 0> for TableFriction {
 
 impl Curve<2> for TableFriction {
     fn chord(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
-        tables.get(n as usize).map_or(0.0, |t| fs * t.chord(w * fs))
+        tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.chord(w * fs))
     }
     fn slope(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
-        tables.get(n as usize).map_or(0.0, |t| fs * t.slope(w * fs))
+        tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.slope(w * fs))
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use crate::numeric::{NONE, Real, Table};
+use crate::numeric::{NONE, Real, Table, real};
 
 crate::choice::choice! {
     /// On which way it plucks.
@@ -87,33 +87,33 @@ impl Phi<5, 3> for Plk {
         [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE), side, engaged]
     }
     fn start(&[_, _, d, side, engaged]: &[Real; 5], e: Real) -> [Real; 3] {
-        [if e.abs() < d && side * e >= 0.0 { engaged } else { 0.0 }, e, 0.0]
+        [if e.abs() < d && side * e >= 0.0 { engaged } else { real(0.0) }, e, real(0.0)]
     }
     #[inline(always)]
     fn force(&[k, z, d, side, _]: &[Real; 5], mem: &mut [Real; 3], _: &[Table], e: Real, w: Real) -> Real {
         let [engaged, last, released] = mem;
-        *released = 0.0;
+        *released = real(0.0);
         if *engaged != 0.0 {
             if e.abs() >= d {
-                *engaged = 0.0;
+                *engaged = real(0.0);
                 *released = 0.5 * k * e * e;
             } else if side * e < 0.0 {
                 // next to nothing is stored there, and what a tick leaves of it is no heat
-                *engaged = 0.0;
+                *engaged = real(0.0);
             }
         } else if e.abs() < d {
             // from one sign to the other, or from nothing to the side it holds on
             let (rises, falls) = (*last <= 0.0 && e >= 0.0, *last >= 0.0 && e <= 0.0);
             if (rises && side >= 0.0) || (falls && side <= 0.0) {
-                *engaged = 1.0;
+                *engaged = real(1.0);
             }
         }
         *last = e;
-        if *engaged == 0.0 { 0.0 } else { k * e + z * w }
+        if *engaged == 0.0 { real(0.0) } else { k * e + z * w }
     }
     #[inline(always)]
     fn stored(&[k, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
-        if mem[0] == 0.0 { 0.0 } else { linear_stored(k, z, e0, e1) }
+        if mem[0] == 0.0 { real(0.0) } else { linear_stored(k, z, e0, e1) }
     }
     #[inline(always)]
     fn lost(&[_, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {

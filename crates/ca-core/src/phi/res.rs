@@ -7,7 +7,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 
 /// RES in the catalog.
 pub static KIND: Kind = Kind {
@@ -66,7 +66,7 @@ impl Phi<1, 0> for Res {
     }
     #[inline(always)]
     fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        linear_stored(k, 0.0, e0, e1)
+        linear_stored(k, real(0.0), e0, e1)
     }
     fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {
         Bound { k, linear: true, ..Bound::default() }

@@ -5,6 +5,8 @@
 pub mod certificate;
 mod halves;
 mod identity;
+#[cfg(dual)]
+mod numbers;
 mod start;
 mod symbols;
 
@@ -12,7 +14,7 @@ use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
 use crate::live::{Controls, LivePlan};
-use crate::numeric::real;
+use crate::numeric::{inner, real};
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
@@ -123,7 +125,7 @@ impl Scene {
         let mut s = before.clone();
         for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            s.x[p.mat as usize] = real(x - p.rest);
+            s.x[p.mat as usize] = inner(x - p.rest);
             s.d[p.mat as usize] = real(d);
         }
         let mut s = start(&self.layout, &self.forces, *order, s);

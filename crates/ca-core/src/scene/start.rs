@@ -1,6 +1,6 @@
 //! Start: the state at load.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use crate::op::layout::Layout;
 use crate::op::links::measure;
 use crate::op::{Op, pass};
@@ -64,7 +64,7 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
             let mut at = s.clone();
             for (x, d) in at.x.iter_mut().zip(&mut at.d) {
                 *x += share * *d;
-                *d = 0.0;
+                *d = real(0.0);
             }
             change(&at)
         });
@@ -74,10 +74,10 @@ pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> Stat
     let moved = |i: usize| layout.enx.iter().any(|p| p.implicit && p.mat as usize == i);
     for i in 0..n {
         if s.coef[2 * n + i] == 0.0 {
-            s.d[i] = if moved(i) { s.d[i] } else { 0.0 };
+            s.d[i] = if moved(i) { s.d[i] } else { real(0.0) };
         } else if !exact {
             s.d[i] -= 0.5 * second[i];
-            s.d[i] += more.as_ref().map_or(0.0, |m| m[i]);
+            s.d[i] += more.as_ref().map_or(real(0.0), |m| m[i]);
         }
     }
     pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);

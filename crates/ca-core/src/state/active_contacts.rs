@@ -4,7 +4,7 @@
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
@@ -63,6 +63,10 @@ impl ActiveContacts {
     /// Room for `contacts` among `places`.
     pub fn new(contacts: usize, places: usize) -> ActiveContacts {
         let places = if contacts == 0 { 0 } else { places };
-        ActiveContacts { n: 0, list: alloc::vec![ActiveContact::default(); contacts], push: alloc::vec![0.0; places] }
+        ActiveContacts {
+            n: 0,
+            list: alloc::vec![ActiveContact::default(); contacts],
+            push: alloc::vec![real(0.0); places],
+        }
     }
 }

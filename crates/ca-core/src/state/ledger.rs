@@ -1,6 +1,6 @@
 //! The accounts of energy, as data; [`crate::op::energy`] writes them.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -22,7 +22,7 @@ pub struct Room {
 
 impl Default for Room {
     fn default() -> Room {
-        Room { e: [[0.0; BLOCK]; 3], moved: [0.0; BLOCK], out: [[0.0; BLOCK]; 2] }
+        Room { e: [[real(0.0); BLOCK]; 3], moved: [real(0.0); BLOCK], out: [[real(0.0); BLOCK]; 2] }
     }
 }
 

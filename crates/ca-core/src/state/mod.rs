@@ -9,7 +9,7 @@ pub(crate) mod ledger;
 mod snapshot;
 
 use crate::numeric::words::word;
-use crate::numeric::{Aligned, Real, VerletList, wide};
+use crate::numeric::{Aligned, Outer, Real, VerletList, real, wide};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -116,8 +116,8 @@ impl Ramps {
         Ramps {
             index,
             left: alloc::vec![0; n],
-            step: alloc::vec![0.0; n],
-            target: alloc::vec![0.0; n],
+            step: alloc::vec![real(0.0); n],
+            target: alloc::vec![real(0.0); n],
             active: alloc::vec![0; n],
             moving: 0,
             whole,
@@ -156,7 +156,7 @@ impl Fold {
 pub struct Identity(pub(crate) u64);
 
 /// A length that nobody keeps yet, in [`State::lengths`].
-pub const UNKNOWN: Real = -1.0;
+pub const UNKNOWN: Real = real(-1.0);
 
 /// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
 /// named. Values may be written from outside, lengths of arrays may not: a tick relies on them. Who writes places or motion of
@@ -186,7 +186,7 @@ pub struct State {
     /// the last good value of each input (inputs); written by `reads`
     pub last_input: Vec<f64>,
     /// what is heard (n_out); written by `writes`
-    pub output: Vec<f64>,
+    pub output: Vec<Outer>,
     /// cells of the moving points (moving_points); written by `aim`
     pub cells: Vec<Cell>,
     /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future

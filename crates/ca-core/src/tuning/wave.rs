@@ -60,16 +60,21 @@ impl WaveguideSpec {
 
 /// The filter at an end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Loss {
+pub struct Loss<N = f64> {
     /// middle tap
-    pub a: f64,
+    pub a: N,
     /// each of the taps beside it
-    pub b: f64,
+    pub b: N,
     /// of the allpass, 0 for a delay of one sample
-    pub c: f64,
+    pub c: N,
 }
 
 impl Loss {
+    /// The same in the numbers of a tick, as `to` makes them.
+    pub fn map<N>(self, to: impl Fn(f64) -> N) -> Loss<N> {
+        Loss { a: to(self.a), b: to(self.b), c: to(self.c) }
+    }
+
     /// Gain of the taps, but for their delay of one sample, where `wave` is (z + 1/z)/2.
     fn gain(&self, wave: Complex<f64>) -> Complex<f64> {
         wave * (2.0 * self.b) + self.a

@@ -20,7 +20,7 @@ pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::Vectors;
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, Table};
+use crate::numeric::{Outer, Real, Table};
 use crate::state::State;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -85,7 +85,7 @@ pub struct Enx {
     /// the MAT it moves
     pub mat: u32,
     /// its rest position \[m\]; the input is absolute
-    pub rest: f64,
+    pub rest: Outer,
     /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
     /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
     pub implicit: bool,

@@ -1,5 +1,6 @@
 //! Waves: the ways of waveguides, and where they are touched.
 
+use crate::numeric::Outer;
 use crate::tuning::wave::Loss;
 use alloc::vec::Vec;
 
@@ -9,7 +10,7 @@ pub struct Junction {
     /// the MAT it is
     pub mat: u32,
     /// wave impedance of either side \[N per m/tick\]
-    pub z: f64,
+    pub z: Outer,
     /// its memory: the waves that arrive from either side, and its motion before the tick \[m/tick\]
     pub memory: usize,
 }
@@ -24,7 +25,7 @@ pub enum Termination {
     /// a rigid end with a loss and an allpass
     Lossy {
         /// their coefficients
-        loss: Loss,
+        loss: Loss<Outer>,
         /// memory of the allpass
         memory: usize,
     },

@@ -1,15 +1,15 @@
 //! Which kernel runs a law: one for each form of a batch of links, chosen at load.
 
-#[cfg(not(single))]
+#[cfg(not(any(single, dual)))]
 use super::band::Banded;
-#[cfg(not(single))]
+#[cfg(not(any(single, dual)))]
 use super::folded::Folded;
 use super::fused::Fused;
-#[cfg(not(single))]
+#[cfg(not(any(single, dual)))]
 use super::radial::{Blocks, by_law};
 use super::{fan, gather, measure, pair_set, run, space};
 use crate::law::Phi;
-#[cfg(not(single))]
+#[cfg(not(any(single, dual)))]
 use crate::op::Band;
 use crate::op::{Form, Hub, Integrate, Kernel, MeasureKind, wide};
 
@@ -23,7 +23,7 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
         };
     }
     // others are never asked for, so that their passes are not made
-    #[cfg(not(single))]
+    #[cfg(not(any(single, dual)))]
     if P::WIDE && form.folded {
         let alone = form.band == Band::None;
         match (form.integrate, form.offset) {
@@ -54,7 +54,7 @@ pub(crate) fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(for
             (Integrate::Cel, true) => return wide::wide::<Fused<P, C, M, true, true>>,
         }
     }
-    #[cfg(not(single))]
+    #[cfg(not(any(single, dual)))]
     if form.measure == MeasureKind::Radial && !(P::CONTACT && M == 0) {
         // known when this is compiled, so that only one of both is made for a law
         if const { P::WIDE && M == 0 } {

@@ -2,7 +2,7 @@
 
 use super::choose::kernel;
 use crate::law::Phi;
-use crate::numeric::{Real, Table};
+use crate::numeric::{Real, Table, real};
 use crate::op::account::{Energies, numbers};
 use crate::op::{Law, ParamBinding, SolveStage};
 use alloc::vec::Vec;
@@ -17,7 +17,7 @@ impl Law {
 
     /// Its memory at load, for elongation `e`.
     pub fn started(&self, c: &[Real], e: Real) -> Vec<Real> {
-        let mut mem = alloc::vec![0.0; self.mem];
+        let mut mem = alloc::vec![real(0.0); self.mem];
         (self.start)(c, e, &mut mem);
         mem
     }

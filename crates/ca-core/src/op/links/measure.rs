@@ -13,7 +13,7 @@
 //! `(D + D')·(D − D') / (l + l')` with D' the vector one tick before. At zero length the direction is undefined and the
 //! force is zero (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
-use crate::numeric::{Real, sqrt};
+use crate::numeric::{Real, real, sqrt};
 use crate::op::layout::{Layout, MeasureKind, Ports};
 use nalgebra::Vector3;
 
@@ -41,7 +41,7 @@ impl Elongation {
 #[inline(always)]
 pub fn density(force: Real, l: Real) -> Real {
     // in this order, so that what is not a number stays so
-    if l == 0.0 { 0.0 } else { force / l }
+    if l == 0.0 { real(0.0) } else { force / l }
 }
 
 /// A way of measuring, as a type, for kernels.
@@ -110,7 +110,7 @@ impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
     fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Elongation {
-        Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(1.0, 0.0, 0.0), l: 1.0 }
+        Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(real(1.0), real(0.0), real(0.0)), l: real(1.0) }
     }
     #[inline(always)]
     fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Elongation, force: Real) {
@@ -124,7 +124,7 @@ impl Measure for Along {
     #[inline(always)]
     fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
         let n = vector(reach);
-        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: 1.0 }
+        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: real(1.0) }
     }
     #[inline(always)]
     fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real) {
@@ -212,7 +212,7 @@ pub fn ports(
     first: usize,
     i: usize,
 ) -> impl Iterator<Item = (MeasureKind, [u32; 2], [Real; 4])> {
-    let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [0.0; 4] } else { layout.reach[at + i] };
+    let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [real(0.0); 4] } else { layout.reach[at + i] };
     let one = (ports.measure, layout.ends[first + i], reach(ports.measure, ports.reach));
     let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));
     core::iter::once(one).chain(two)

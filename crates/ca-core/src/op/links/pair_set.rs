@@ -7,7 +7,7 @@
 
 use super::measure::{Measure, Radial};
 use crate::law::Phi;
-use crate::numeric::{Real, VerletList, sqrt};
+use crate::numeric::{Real, VerletList, real, sqrt, value};
 use crate::op::Op;
 use crate::op::layout::{Layout, PairSet};
 use crate::op::wide::{Body, Simd};
@@ -31,7 +31,7 @@ fn square([x, y, z]: [Real; 3]) -> Real {
 fn pair(set: &PairSet, rest: &[Real], i: usize, j: usize) -> ([usize; 2], [Real; 4]) {
     let (a, b) = (set.members[i], set.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
-    ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], 0.0])
+    ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], real(0.0)])
 }
 
 /// The distance beyond which there is no force; infinite where the contact contains.
@@ -44,7 +44,7 @@ fn radius((from, to): (Real, Real)) -> Real {
 #[inline(always)]
 fn place(near: &mut VerletList, set: &PairSet, rest: &[Real], x: &[Real]) {
     let members = &set.members;
-    near.place(|k| [three(rest, members[k]), three(x, members[k])]);
+    near.place(|k| [three(rest, members[k]), three(x, members[k])].map(|v| v.map(value)));
 }
 
 /// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`State::tap`] if asked.
@@ -58,17 +58,17 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for All
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
         let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.rest);
         let tap = if TAP { &mut s.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
-        tap.fill(0.0);
+        tap.fill(real(0.0));
         let (from, to) = P::idle(c);
         let radius = radius((from, to));
         if radius == 0.0 {
             return;
         }
         let (from, to) = (from.max(0.0), to.max(0.0));
-        let mut none = [0.0; M];
+        let mut none = [real(0.0); M];
         place(near, set, rest, x);
-        near.renew(radius, |k| square(three(d, set.members[k])));
-        near.each(radius, |i, j| {
+        near.renew(value(radius), |k| value(square(three(d, set.members[k]))));
+        near.each(value(radius), |i, j| {
             let (ends, reach) = pair(set, rest, i, j);
             if Radial::square(x, ends, &reach).is_some_and(|l| l >= from * from && l <= to * to) {
                 return;
@@ -93,12 +93,12 @@ pub fn pressed(
 ) -> Option<Pressed> {
     let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
     place(&mut near, set, rest, x);
-    near.renew(radius(idle), |_| 0.0);
+    near.renew(value(radius(idle)), |_| 0.0);
     let mut found: Option<Pressed> = None;
-    near.each(radius(idle), |i, j| {
+    near.each(value(radius(idle)), |i, j| {
         if found.is_none() {
             let (ends, reach) = pair(set, rest, i, j);
-            let e = Radial::square(x, ends, &reach).map_or(0.0, sqrt);
+            let e = Radial::square(x, ends, &reach).map_or(real(0.0), sqrt);
             found = Some((i, j, e, force(e))).filter(|p| p.3 != 0.0);
         }
     });
@@ -110,9 +110,9 @@ pub fn pressed(
 pub fn neighbours(set: &PairSet, rest: &[Real], x: &[Real], idle: (Real, Real)) -> [usize; 2] {
     let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
     place(&mut near, set, rest, x);
-    near.renew(radius(idle), |_| 0.0);
+    near.renew(value(radius(idle)), |_| 0.0);
     let mut measured = 0;
-    near.each(radius(idle), |_, _| measured += 1);
+    near.each(value(radius(idle)), |_, _| measured += 1);
     [near.listed(), measured]
 }
 
@@ -132,9 +132,9 @@ pub fn touched(
 ) {
     let (set, x, d) = (&layout.pair_sets[at], &s.x[..], &s.d[..]);
     place(near, set, &layout.rest, x);
-    let fastest = |d: &[Real]| sqrt(set.members.iter().map(|m| square(three(d, *m))).fold(0.0, Real::max));
+    let fastest = |d: &[Real]| sqrt(set.members.iter().map(|m| square(three(d, *m))).fold(real(0.0), Real::max));
     let moved = 2.0 * (fastest(d) + fastest(d0));
-    near.each(radius(idle) + moved, |i, j| {
+    near.each(value(radius(idle) + moved), |i, j| {
         let (ends, reach) = pair(set, &layout.rest, i, j);
         visit(
             super::measure::around(crate::op::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0,

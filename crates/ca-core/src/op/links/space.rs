@@ -4,7 +4,7 @@
 
 use super::measure::Measure;
 use crate::law::Phi;
-use crate::numeric::Real;
+use crate::numeric::{Real, real};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -45,7 +45,7 @@ pub fn links<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
             let (from, to) = (from.max(0.0), to.max(0.0));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
                 if TAP {
-                    s.tap[op.tap + i] = 0.0;
+                    s.tap[op.tap + i] = real(0.0);
                 }
                 continue;
             }

@@ -1,0 +1,117 @@
+//! Numbers: all numbers of the tick that a scene begins with, one after the other, for whoever writes their derivatives.
+//!
+//! Decides that the derivatives of coefficients, places and lengths by a parameter of the model are had from outside, by
+//! differences between scenes that were compiled with other values of it (`ca-gradient`): the compiler computes smooth
+//! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
+//! runs, and has to be the same in all of them: [`Scene::structure`].
+
+use crate::numeric::{Dual, lift, real};
+use crate::op::layout::{Layout, Termination};
+use crate::scene::Scene;
+use crate::state::{Identity, State};
+
+impl Scene {
+    /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
+    /// gesture rate, of parameters that ports drive, and of device ports.
+    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Dual)) {
+        layout(&mut self.layout, visit);
+        state(&mut self.initial, visit);
+        if let Some((_, before)) = &mut self.before {
+            state(before, visit);
+        }
+    }
+
+    /// What all of a scene but its numbers is known by; these are 0 afterwards.
+    pub fn structure(mut self) -> Identity {
+        self.numbers(&mut |v| *v = real(0.0));
+        Identity::of(&self.layout, [&self.reads, &self.forces, &self.writes, &self.moves], &self.initial)
+    }
+}
+
+fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Dual)) {
+    // who adds an array to it is asked here what to do with it
+    let Layout {
+        reach,
+        e0,
+        rest,
+        shares,
+        couplings,
+        tables,
+        enx,
+        waves,
+        heard,
+        blockers,
+        lowpass,
+        implicit,
+        sample_dt: _,
+        ratio: _,
+        frame: _,
+        n_mat: _,
+        n_lia: _,
+        n_coef: _,
+        n_mem: _,
+        n_touch: _,
+        n_tap: _,
+        channels: _,
+        n_out: _,
+        ends: _,
+        onto: _,
+        rows: _,
+        pair_sets: _,
+        nodes: _,
+        moving_points: _,
+        modal: _,
+        solved_modal: _,
+        modal_couplings: _,
+        enf: _,
+        tgr: _,
+        driven: _,
+        crossing: _,
+        weighed: _,
+        outputs: _,
+        of_motion: _,
+        output_rows: _,
+        ledger: _,
+        slow: _,
+        substeps: _,
+        vectors: _,
+    } = layout;
+    reach.as_flattened_mut().iter_mut().for_each(&mut *visit);
+    for all in [e0, rest, shares, couplings, lowpass] {
+        all.iter_mut().for_each(&mut *visit);
+    }
+    for t in tables {
+        t.numbers(visit);
+    }
+    for p in enx {
+        visit(&mut p.rest);
+    }
+    for j in &mut waves.junctions {
+        visit(&mut j.z);
+    }
+    for d in &mut waves.delays {
+        if let Termination::Lossy { loss, .. } = &mut d.end {
+            [&mut loss.a, &mut loss.b, &mut loss.c].into_iter().for_each(&mut *visit);
+        }
+    }
+    for h in heard {
+        visit(&mut h.e0);
+    }
+    for b in blockers {
+        visit(&mut b.r);
+        visit(&mut b.g);
+    }
+    for force in implicit.iter_mut().flat_map(|i| &mut i.forces) {
+        force.moving.iter_mut().chain(&mut force.fixed).for_each(|(_, weight)| visit(weight));
+    }
+}
+
+/// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative.
+fn state(s: &mut State, visit: &mut impl FnMut(&mut Dual)) {
+    for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.lengths] {
+        all.iter_mut().for_each(&mut *visit);
+    }
+    s.mem.iter_mut().for_each(&mut *visit);
+    s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(visit);
+    s.output.fill(lift(0.0));
+}
