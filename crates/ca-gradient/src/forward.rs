@@ -1,0 +1,278 @@
+//! Forward: a scene with the derivatives of all it begins with, played.
+//!
+//! Decides for as many renders as there are seven parameters begun, one after the other: a number and seven derivatives fill the
+//! vectors of a processor, and a loop over any number of them would be one of loads and stores. What the ports are given
+//! is written down beforehand, tick by tick, by the one loop that reads gestures ([`Performance`]); a scene without ports
+//! needs none of it.
+
+use crate::difference::{Start, derivatives};
+use crate::{Error, Parameter};
+use ca_compile_dual::load::finish;
+use ca_core_dual::kind::cloud::{Cloud, Clouds, Unread};
+use ca_core_dual::numeric::{Dual, TANGENTS};
+use ca_core_dual::{Catalog, Scene, tick};
+use ca_io::gesture::Gesture;
+use ca_io::perform::{self, DIVERGED, Performance};
+use ca_model::write::write;
+use ca_model_dual::diag::{Diags, Severity};
+use ca_model_dual::{Model, read};
+use cordis_anima::{Loaded, Options};
+use std::sync::Arc;
+
+/// A scene, with the derivatives of all that it begins with.
+pub struct Forward {
+    /// in double precision, for its ports
+    plain: ca_core::Scene,
+    parameters: Vec<Parameter>,
+    /// of each parameter, the derivatives of the numbers of the scene
+    derivatives: Vec<Vec<f64>>,
+    model: Model,
+    catalog: Catalog,
+    options: ca_compile_dual::Options,
+}
+
+/// What a scene sounds, and its derivatives. All arrays row by row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tangents {
+    /// \[Hz\]
+    pub rate: f64,
+    /// samples
+    pub frames: usize,
+    /// numbers of a sample: the sound channels, then the probes
+    pub outputs: usize,
+    /// how many of them are sound channels
+    pub channels: usize,
+    /// by which parameters
+    pub parameters: Vec<Parameter>,
+    /// what is heard; the bits of a render (frames x outputs)
+    pub output: Vec<f64>,
+    /// its derivatives, per unit of the parameter (frames x outputs x parameters)
+    pub tangents: Vec<f64>,
+}
+
+impl Forward {
+    /// A model, compiled with these options, and by which parameters is differentiated: names as `--set` takes them, such as
+    /// `low.f`, `hammer.v` or the name of a `[param]`, and numbers of lists, such as `ball.v[1]`.
+    ///
+    /// # Errors
+    /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is no number by
+    /// which there are derivatives, or the scene has groups at the gesture rate or parameters that ports drive.
+    pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+        let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
+        let plain = loaded.compile(&options)?.scene;
+        let text = write(&loaded.model);
+        let catalog = ca_model_dual::catalog().with(ca_lpr_dual::KINDS);
+        let (model, found) = read::read(&text, &loaded.model.file, &catalog);
+        if found.has_errors() {
+            return Err(Error::refused(format!("the model is not read again: {}", first(found))));
+        }
+        let options = ca_compile_dual::Options {
+            rate: options.rate,
+            probes: options.probes,
+            clouds: clouds(loaded),
+            whole: options.whole,
+            ..ca_compile_dual::Options::default()
+        };
+        let mut forward = Forward {
+            plain,
+            parameters: wrt.iter().map(|name| Parameter::find(&model, &catalog, name)).collect::<Result<_, _>>()?,
+            derivatives: Vec::new(),
+            model,
+            catalog,
+            options,
+        };
+        let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
+        if scene.slow.is_some() {
+            let what = "groups at the gesture rate are not differentiated: leave out `rate = \"gesture\"` of the group";
+            return Err(Error::refused(what));
+        }
+        if let Some(d) = scene.live.driven.first() {
+            let what = format!("`{}` is driven by the port `{}`, which is not differentiated", d.param.name, d.port);
+            return Err(Error::refused(what));
+        }
+        let start = Start::of(scene);
+        for p in &forward.parameters {
+            let compiled = |value: f64| forward.compiled(&p.put(&forward.model, value));
+            let all = derivatives(&start, p, &compiled)?;
+            forward.derivatives.push(all);
+        }
+        Ok(forward)
+    }
+
+    /// The sound rate \[Hz\].
+    pub fn rate(&self) -> f64 {
+        self.plain.rate
+    }
+
+    /// How many numbers a sample has: the sound channels, then the probes.
+    pub fn outputs(&self) -> usize {
+        self.plain.n_out
+    }
+
+    /// By what is differentiated.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// What is heard, and all its derivatives, in so many seconds, or in as many as a render of the model has.
+    ///
+    /// # Errors
+    /// [`Error::Gesture`] where the gesture does not fit the model, [`Error::Refused`] where it drives a live parameter, or
+    /// where the scene diverges.
+    pub fn tangents(&self, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Tangents, Error> {
+        let played = Played::new(self, seconds, gesture)?;
+        let (frames, outputs, n) = (played.frames, self.plain.n_out, self.parameters.len());
+        let mut to = Tangents {
+            rate: self.plain.rate,
+            frames,
+            outputs,
+            channels: self.plain.channels,
+            parameters: self.parameters.clone(),
+            output: vec![0.0; frames * outputs],
+            tangents: vec![0.0; frames * outputs * n],
+        };
+        for first in (0..n.max(1)).step_by(TANGENTS) {
+            let some = first..n.min(first + TANGENTS);
+            self.play(&played, some.clone(), &mut |frame, row| {
+                for (k, v) in row.iter().enumerate() {
+                    let at = frame * outputs + k;
+                    to.output[at] = v.value();
+                    to.tangents[at * n..][some.clone()].copy_from_slice(&v.tangents()[..some.len()]);
+                }
+            })?;
+        }
+        Ok(to)
+    }
+
+    /// What is heard alone (frames x outputs): what a loss is computed of, whose cotangent [`Forward::gradient`] takes.
+    ///
+    /// # Errors
+    /// As [`Forward::tangents`].
+    pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Vec<f64>, Error> {
+        let mut p = Performance::new(&self.plain, gesture)?;
+        let frames = perform::frames(&self.plain, perform::seconds(&p, seconds));
+        let mut all = Vec::with_capacity(frames as usize * self.plain.n_out);
+        for _ in 0..frames {
+            p.tick();
+            all.extend_from_slice(&p.state.output);
+        }
+        if p.diverged { Err(diverged()) } else { Ok(all) }
+    }
+
+    /// The gradient of a loss of what is heard (parameters), from its cotangent: the derivatives of the loss by each number that is
+    /// heard (frames x outputs), as many frames as it has. Takes no memory for derivatives of samples.
+    ///
+    /// # Errors
+    /// As [`Forward::tangents`], and where the cotangent has no whole rows.
+    pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>) -> Result<Vec<f64>, Error> {
+        let outputs = self.plain.n_out.max(1);
+        if cotangent.is_empty() || !cotangent.len().is_multiple_of(outputs) {
+            let what =
+                format!("a cotangent has one number or more for each of {outputs} outputs, not {}", cotangent.len());
+            return Err(Error::refused(what));
+        }
+        let seconds = (cotangent.len() / outputs) as f64 / self.plain.rate;
+        let played = Played::new(self, Some(seconds), gesture)?;
+        let n = self.parameters.len();
+        let mut gradient = vec![0.0; n];
+        for first in (0..n).step_by(TANGENTS) {
+            let some = first..n.min(first + TANGENTS);
+            self.play(&played, some.clone(), &mut |frame, row| {
+                for (v, by) in row.iter().zip(&cotangent[frame * outputs..]) {
+                    for (sum, t) in gradient[some.clone()].iter_mut().zip(v.tangents()) {
+                        *sum += by * t;
+                    }
+                }
+            })?;
+        }
+        Ok(gradient)
+    }
+
+    /// Plays it with the derivatives by `some` parameters; `heard` gets each sample.
+    fn play(
+        &self,
+        played: &Played,
+        some: std::ops::Range<usize>,
+        heard: &mut impl FnMut(usize, &[Dual]),
+    ) -> Result<(), Error> {
+        let mut scene = self.compiled(&self.model).map_err(Error::Refused)?;
+        let columns = &self.derivatives[some];
+        let mut i = 0;
+        scene.numbers(&mut |v: &mut Dual| {
+            for (t, all) in v.tangents_mut().iter_mut().zip(columns) {
+                *t = all[i];
+            }
+            i += 1;
+        });
+        let mut s = scene.state_from(|input| played.hands.get(input).copied().flatten());
+        let inputs = scene.inputs.len();
+        for frame in 0..played.frames {
+            s.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
+            tick(&scene, &mut s);
+            heard(frame, &s.output);
+            if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
+                return Err(diverged());
+            }
+        }
+        Ok(())
+    }
+
+    fn compiled(&self, model: &Model) -> Result<Scene, String> {
+        finish(model, Diags::new(), &self.catalog, &self.options).map(|c| c.scene).map_err(first)
+    }
+}
+
+/// What a scene is given while it plays.
+struct Played {
+    frames: usize,
+    /// what the ports are given (frames x inputs)
+    given: Vec<f64>,
+    /// where hands are at the first tick, and under way (inputs)
+    hands: Vec<Option<[f64; 2]>>,
+}
+
+impl Played {
+    fn new(forward: &Forward, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Played, Error> {
+        let scene = &forward.plain;
+        let mut p = Performance::new(scene, gesture)?;
+        if let Some(name) = p.driven().into_iter().find(|name| scene.input(name).is_none()) {
+            let what = format!("a gesture moves the live parameter `{name}`, which is not differentiated");
+            return Err(Error::refused(what));
+        }
+        let frames = perform::frames(scene, perform::seconds(&p, seconds)) as usize;
+        let n = scene.inputs.len();
+        let hands = (0..n).map(|i| p.hand(i)).collect();
+        let mut given = Vec::with_capacity(frames * n);
+        if n > 0 {
+            for _ in 0..frames {
+                p.tick();
+                given.extend_from_slice(&p.state.input);
+            }
+        }
+        Ok(Played { frames, given, hands })
+    }
+}
+
+fn diverged() -> Error {
+    Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
+}
+
+/// The first error among findings.
+fn first(diags: Diags) -> String {
+    let error = diags.list.into_iter().find(|d| d.severity == Severity::Error);
+    error.map(|d| d.title).unwrap_or_default()
+}
+
+/// What the files of a model hold, for the other compiler.
+fn clouds(loaded: &Loaded) -> Clouds {
+    let cloud = |c: &ca_core::kind::cloud::Cloud| Cloud {
+        points: c.points.clone(),
+        edges: c.edges.clone(),
+        merged: c.merged,
+        flat: c.flat,
+    };
+    let unread = |u: &ca_core::kind::cloud::Unread| Unread { what: u.what.clone(), help: u.help.clone() };
+    let each =
+        loaded.clouds.iter().map(|(name, c)| (name.clone(), c.as_ref().map(|c| Arc::new(cloud(c))).map_err(unread)));
+    each.collect()
+}

@@ -1,0 +1,39 @@
+//! Derivatives of what a scene sounds by parameters of its model and by its start, in forward mode.
+//!
+//! ```text
+//! Model ─ at p and around it ─ compiled with dual numbers ─ differences: tangents at load ─ ticks: tangents of the outputs
+//!         (parameter)           (ca-compile-dual)            (difference)                    (forward)
+//! ```
+//! Decides for derivatives in two parts, of which neither is written by hand. What the *compiler* makes of a parameter
+//! (coefficients, lengths, the start) is had by differences of the eighth order between scenes compiled around its value: these
+//! are smooth functions, computed to their last digits, so that the differences are exact to 1e-12 or so. What the *ticks*
+//! make of it is had by ticks over dual numbers ([`ca_core_dual`]): the same laws, passes and methods, whose numbers carry seven
+//! derivatives each. Against differences of whole renders, which lose half of all digits to chaos and rounding, and take two renders
+//! for each parameter; and against a tape, which would keep every tick.
+//!
+//! The tick is differentiable nearly everywhere: where a contact closes, friction turns or a table has a corner, the derivative
+//! is that of the branch that was taken (docs/numerics.md §9). What is refused, by name: parameters that are whole numbers,
+//! words or flags, or change what is built; groups at the gesture rate; parameters that a port or a gesture drives.
+//!
+//! ```
+//! use ca_gradient::Forward;
+//! use cordis_anima::{Loaded, Options};
+//!
+//! let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
+//! let forward = Forward::new(&Loaded::read(text, "bar.ca.toml"), &Options::default(), &["bar.f", "bar.dx0"]).unwrap();
+//! let heard = forward.tangents(Some(0.01), None).unwrap();
+//! assert_eq!((heard.frames, heard.outputs, heard.parameters.len()), (480, 1, 2));
+//! // twice as far is twice as loud
+//! let (now, by_dx0) = (heard.output[7], heard.tangents[7 * 2 + 1]);
+//! assert!((by_dx0 * 1e-3 - now).abs() < 1e-12);
+//! ```
+#![forbid(unsafe_code)]
+
+mod difference;
+mod error;
+mod forward;
+mod parameter;
+
+pub use error::Error;
+pub use forward::{Forward, Tangents};
+pub use parameter::Parameter;

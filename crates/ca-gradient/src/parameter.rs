@@ -1,0 +1,194 @@
+//! Parameter: a name as `--set` takes it, the number that stands there, and the model with another one.
+//!
+//! Decides to go by what is written: a quantity is moved in SI, a bare number in the units of the model, which are SI unless it
+//! says otherwise. One place of a list is a parameter too (`ball.v[1]`), since a place or a speed in space is one. A number
+//! that is the name of a `[param]`, or a multiple of one, is moved there alone; whoever means all places names that.
+
+use crate::Error;
+use ca_core_dual::Catalog;
+use ca_core_dual::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_model_dual::suggest::nearest;
+use ca_model_dual::{Entry, Model, Value, quantity};
+
+/// A parameter by which is differentiated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// as it was asked for
+    pub name: String,
+    /// its value, in `unit`
+    pub value: f64,
+    /// of SI; empty for a plain number, and for a bare one, which is in the units of the model
+    pub unit: String,
+}
+
+impl Parameter {
+    /// The parameter `name` of a model.
+    pub fn find(model: &Model, catalog: &Catalog, name: &str) -> Result<Parameter, Error> {
+        let (whole, index) = split(name);
+        let Some((e, unit)) = place(model, catalog, name, whole)? else { return absent(model, catalog, name, whole) };
+        let value = match (index, &e.value) {
+            (None, value) => value,
+            (Some(i), Value::List(list)) => {
+                let Some(e) = list.get(i) else {
+                    return Err(Error::refused(format!("`{name}`: there are {} numbers in this list", list.len())));
+                };
+                &e.value
+            }
+            (Some(_), _) => return Err(Error::refused(format!("`{name}`: `{whole}` is no list"))),
+        };
+        if matches!(value, Value::List(_)) {
+            return Err(Error::refused(format!("`{name}` is a list; name one of its numbers, e.g. `{name}[0]`")));
+        }
+        let (value, unit) =
+            number(model, value, unit).ok_or_else(|| Error::refused(format!("`{name}` is no number")))?;
+        Ok(Parameter { name: name.into(), value, unit })
+    }
+
+    /// The model with this parameter at `value`.
+    pub fn put(&self, model: &Model, value: f64) -> Model {
+        let mut other = model.clone();
+        let written = |v: f64| if self.unit.is_empty() { Value::Num(v) } else { format!("{v:e} {}", self.unit).into() };
+        let (whole, index) = split(&self.name);
+        let list = index.and_then(|i| match entry(model, whole).map(|e| &e.value) {
+            Some(Value::List(list)) => Some((i, list.clone())),
+            _ => None,
+        });
+        other.put(
+            whole,
+            match list {
+                Some((i, mut list)) => {
+                    list[i] = Entry::new("", written(value));
+                    Value::List(list)
+                }
+                None => written(value),
+            },
+        );
+        other
+    }
+}
+
+/// `ball.v[1]` → `ball.v` and 1.
+fn split(name: &str) -> (&str, Option<usize>) {
+    let parts = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
+    match parts.and_then(|(whole, i)| Some((whole, i.parse().ok()?))) {
+        Some((whole, i)) if entry_like(whole) => (whole, Some(i)),
+        _ => (name, None),
+    }
+}
+
+/// A name with a key: the index of an instance, as in `key[2]`, is none of a list.
+fn entry_like(whole: &str) -> bool {
+    whole.rsplit_once('.').is_some_and(|(_, key)| !key.contains(']'))
+}
+
+/// What is written at a name.
+fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
+    if let Some(e) = model.params.iter().find(|e| e.key == name) {
+        return Some(e);
+    }
+    let (owner, key) = name.rsplit_once('.')?;
+    let args = match owner {
+        "model" => &model.meta,
+        "rate" => &model.rate,
+        _ => &model.items.iter().find(|i| i.name == owner)?.args,
+    };
+    args.iter().find(|e| e.key == key)
+}
+
+/// The kind of a module, and its parameter of a name.
+fn param<'c>(model: &Model, catalog: &'c Catalog, name: &str) -> Option<(&'c Kind, Option<&'c Param>)> {
+    let (owner, key) = name.rsplit_once('.')?;
+    let item = model.items.iter().find(|i| i.name == owner)?;
+    let kind = catalog.get(&item.kind)?;
+    Some((kind, kind.param(key).map(|i| &kind.params[i])))
+}
+
+/// What is written at the parameter `whole`, with the unit it has, if that is known; `None` where nothing is.
+fn place<'m>(
+    model: &'m Model,
+    catalog: &Catalog,
+    name: &str,
+    whole: &str,
+) -> Result<Option<(&'m Entry, Option<Unit>)>, Error> {
+    let e = entry(model, whole);
+    let Some((kind, of_kind)) = param(model, catalog, whole) else { return Ok(e.map(|e| (e, None))) };
+    let Some(param) = of_kind else {
+        let near = nearest(whole.rsplit('.').next().unwrap_or(whole), kind.params.iter().map(|p| p.name));
+        let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        return Err(Error::refused(format!("`{name}`: {} has no such parameter{hint}", kind.code)));
+    };
+    let no = |what: &str| Err(Error::refused(format!("`{name}` is {what}, by which there is no derivative")));
+    let exponent = |p: &Param| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name);
+    let unit = match param.ty {
+        Type::Number { .. } if kind.params.iter().any(exponent) => return no("an exponent, a multiple of 1/4"),
+        Type::Number { unit, .. } | Type::Numbers { unit, .. } | Type::Position { unit } => Some(unit),
+        Type::PowerStiffness { .. } | Type::Points { .. } | Type::Positions { .. } | Type::Direction => None,
+        Type::Count { .. } | Type::Counts { .. } => return no("a whole number"),
+        Type::Choice(_) => return no("one of several words"),
+        Type::Flag => return no("a flag"),
+        Type::Between | Type::Nodes | Type::Module | Type::File | Type::Text | Type::Midi => return no("no number"),
+    };
+    Ok(e.map(|e| (e, unit)))
+}
+
+/// A parameter that is not written: its default, or why there is nothing to move.
+fn absent(model: &Model, catalog: &Catalog, name: &str, whole: &str) -> Result<Parameter, Error> {
+    if let Some((_, Some(param))) = param(model, catalog, whole) {
+        let unit = match param.ty {
+            Type::Number { unit, .. } | Type::Position { unit } => Some(unit),
+            _ => None,
+        };
+        return match (param.need, unit) {
+            (Need::Default(value), Some(unit)) if whole == name => {
+                Ok(Parameter { name: name.into(), value, unit: unit.symbol.into() })
+            }
+            _ => Err(Error::refused(format!("`{name}` is not written in the model; write the value to start from"))),
+        };
+    }
+    let items = model.items.iter().flat_map(|i| {
+        let keys = catalog.get(&i.kind).into_iter().flat_map(|k| k.params);
+        keys.map(|p| format!("{}.{}", i.name, p.name))
+    });
+    let all: Vec<String> = model.params.iter().map(|e| e.key.clone()).chain(items).collect();
+    let near = nearest(name, all.iter().map(String::as_str));
+    let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+    Err(Error::refused(format!("the model has no `{name}`{hint}")))
+}
+
+/// The number that a value means, and its unit; without one where it is bare.
+fn number(model: &Model, value: &Value, unit: Option<Unit>) -> Option<(f64, String)> {
+    let of_param = |name: &str| match &model.params.iter().find(|e| e.key == name)?.value {
+        // it is no name of another
+        Value::Text(t) if model.params.iter().any(|e| e.key == *t) => None,
+        value => number(model, value, unit),
+    };
+    match value {
+        Value::Num(v) => Some((*v, String::new())),
+        Value::Text(t) => {
+            if let Some(found) = of_param(t) {
+                return Some(found);
+            }
+            if let Some((v, unit)) = quantity::product(t).and_then(|(factor, name)| {
+                let (v, unit) = of_param(name)?;
+                Some((factor * v, unit))
+            }) {
+                return Some((v, unit));
+            }
+            if let Some(f) = quantity::note(t).filter(|_| unit.is_none_or(|u| u.dim.same(Dim::FREQUENCY))) {
+                return Some((f, "Hz".into()));
+            }
+            let q = quantity::parse(t).ok()?;
+            Some((q.value, if q.has_unit { quantity::unit_of(q.dim) } else { String::new() }))
+        }
+        Value::Table(entries) => {
+            let get = |key: &str| entries.iter().find(|e| e.key == key).map(|e| &e.value);
+            match (get("value")?, get("unit")) {
+                (Value::Num(v), Some(Value::Text(u))) if !u.is_empty() => {
+                    number(model, &Value::Text(format!("{v:e} {u}")), unit)
+                }
+                (value, _) => number(model, value, unit),
+            }
+        }
+        _ => None,
+    }
+}

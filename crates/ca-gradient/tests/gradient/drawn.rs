@@ -1,0 +1,261 @@
+//! Drawn scenes: the example of every kind with every law, and scenes of every method, with numbers drawn around what is
+//! written, against differences of renders.
+//!
+//! A law that is added is here without a line of its own: its example is taken from its record.
+
+use crate::reference::{apart, column, difference, read, tangents};
+use ca_gradient::Forward;
+use cordis_anima::ca_core::kind::Type;
+use cordis_anima::ca_model::{Value, quantity};
+use cordis_anima::{Loaded, Options, catalog};
+
+const TICKS: usize = 2000;
+
+/// Numbers from 0 to 1, the same on every machine.
+pub struct Draw(pub u64);
+
+impl Draw {
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// Multiplies the numbers that a model has for masses, stiffnesses, speeds and the like by what is drawn around 1; names of those by
+/// which is differentiated.
+fn drawn(loaded: &mut Loaded, draw: &mut Draw) -> Vec<String> {
+    let (kinds, mut names) = (catalog(), Vec::new());
+    for item in &mut loaded.model.items {
+        let Some(kind) = kinds.get(&item.kind) else { continue };
+        for e in &mut item.args {
+            let Some(param) = kind.param(&e.key).map(|i| &kind.params[i]) else { continue };
+            let exponent = |p: &cordis_anima::ca_core::kind::Param| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name);
+            if kind.params.iter().any(exponent) {
+                continue;
+            }
+            let mut number = |v: &mut Value| {
+                let factor = 1.0 + 0.04 * (draw.next() - 0.5);
+                let (value, unit) = match v {
+                    Value::Num(v) => (*v, String::new()),
+                    Value::Text(t) => match quantity::parse(t) {
+                        Ok(q) if q.has_unit => (q.value, quantity::unit_of(q.dim)),
+                        _ => return false,
+                    },
+                    _ => return false,
+                };
+                let to = value * factor;
+                *v = if unit.is_empty() { Value::Num(to) } else { Value::Text(format!("{to:e} {unit}")) };
+                true
+            };
+            let name = format!("{}.{}", item.name, e.key);
+            match (param.ty, &mut e.value) {
+                (
+                    Type::Number { .. } | Type::PowerStiffness { .. } | Type::Position { .. },
+                    v @ (Value::Num(_) | Value::Text(_)),
+                ) => {
+                    if number(v) {
+                        names.push(name);
+                    }
+                }
+                (Type::Position { .. }, Value::List(list)) => {
+                    for (i, x) in list.iter_mut().enumerate() {
+                        if number(&mut x.value) {
+                            names.push(format!("{name}[{i}]"));
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    names
+}
+
+/// Compares all derivatives of a scene; how many parameters there were, how many had no reference, and the worst.
+fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong: &mut Vec<String>) -> [usize; 2] {
+    let (mut names, mut refused): (Vec<&str>, usize) = (names.iter().map(String::as_str).collect(), 0);
+    names.retain(|name| match Forward::new(loaded, &Options::default(), &[name]) {
+        Ok(_) => true,
+        Err(e) => {
+            println!("{title}: {e}");
+            refused += 1;
+            false
+        }
+    });
+    if names.is_empty() {
+        return [refused, refused];
+    }
+    let t = tangents(loaded, TICKS, &names);
+    let (mut left_out, mut worst) = (refused, 0.0_f64);
+    for (k, p) in t.parameters.iter().enumerate() {
+        let Some((exact, doubt)) = difference(loaded, p, TICKS).filter(|d| d.1 < 0.1 * tolerance) else {
+            println!("{title} {}: no difference to compare with", p.name);
+            left_out += 1;
+            continue;
+        };
+        let off = apart(&column(&t, k), &exact);
+        worst = worst.max(off);
+        println!("    {} {off:.1e} {doubt:.1e}", p.name);
+        wrong.extend(
+            (off >= tolerance)
+                .then(|| format!("{title}: by {} {off:.1e}, of differences known to {doubt:.1e}", p.name)),
+        );
+    }
+    println!(
+        "{title}: {} parameters, {left_out} refused or without a reference, worst {worst:.1e}",
+        t.parameters.len()
+    );
+    [refused + t.parameters.len(), left_out]
+}
+
+/// The example of each kind, links on a line and across two worlds, generators and ports.
+#[test]
+fn every_kind_has_the_derivatives_of_its_renders() {
+    let (mut draw, mut scenes, mut all, mut wrong) = (Draw(1), 0, [0, 0], Vec::new());
+    for kind in catalog().iter() {
+        let mut loaded = read(kind.example);
+        let names = drawn(&mut loaded, &mut draw);
+        if names.is_empty() {
+            continue;
+        }
+        let [n, left_out] = compare(kind.code, &loaded, &names, 1e-6, &mut wrong);
+        all = [all[0] + n, all[1] + left_out];
+        scenes += 1;
+    }
+    println!("{scenes} scenes, {} parameters, {} without a reference", all[0], all[1]);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(scenes >= 30 && all[1] * 20 <= all[0], "{scenes} {all:?}");
+}
+
+/// Scenes whose laws go by other methods than the explicit one, and what stands between masses and outputs.
+const METHODS: &[(&str, &str)] = &[
+    (
+        "BUT stable",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nlink = { between = ['ball', 'bar'], k = '400 kN/m', z = '0.5 N s/m', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BUT clipped",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nlink = { between = ['ball', 'bar'], k = '40 kN/m', z = '3 N s/m', sticky = false }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "HRZ stable",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nlink = { between = ['ball', 'bar'], k = '1e8 N/m^1.5', h = '0.2 s/m', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BUT stable3d",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nlink = { between = ['ball', 'bar'], k = '400 kN/m', z = '0.5 N s/m', method = 'stable3d' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "HRZ stable3d",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nlink = { between = ['ball', 'bar'], k = '1e8 N/m^1.5', h = '0.2 s/m', method = 'stable3d' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "three contacts at one mass",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\na = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\nb = { m = '7 g', x = '-1.03 mm', v = '0.83 m/s' }\nc = { m = '3 g', x = '-1.01 mm', v = '0.78 m/s' }\n[BUT]\none = { between = ['a', 'bar'], k = '400 kN/m', z = '0.5 N s/m', method = 'stable' }\ntwo = { between = ['b', 'bar'], k = '300 kN/m', method = 'stable' }\n[HRZ]\nthree = { between = ['c', 'bar'], k = '1e8 N/m^1.5', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW smooth secant",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = '0.3 N', v0 = '50 mm/s', method = 'secant' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW smooth newton",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = '0.3 N', v0 = '50 mm/s', method = 'newton' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW piecewise",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], curve = 'piecewise', f = '0.3 N', v0 = '50 mm/s', v1 = '0.3 m/s', fd = '0.1 N' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW piecewise newton",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], curve = 'piecewise', f = '0.3 N', v0 = '50 mm/s', v1 = '0.3 m/s', fd = '0.1 N', method = 'newton' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW coulomb",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], curve = 'coulomb', f = '0.3 N', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW coulomb newton",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], curve = 'coulomb', f = '0.3 N', v0 = '50 mm/s', method = 'newton' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW set-valued",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], curve = 'coulomb', f = '0.3 N', fd = '0.2 N', method = 'set-valued' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "BOW and BUT at one mass",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = '0.3 N', v0 = '50 mm/s', method = 'secant' }\n[BUT]\nlink = { between = ['ball', 'bar'], k = '400 kN/m', z = '0.5 N s/m', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "REF implicit",
+        "[SOL]\nwall = {}\n[MAS]\na = { m = '1 g', dx0 = '1 mm' }\nb = { m = '2 g', v = '0.1 m/s' }\n[REF]\none = { between = ['wall', 'a'], k = '800 kN/m', z = '0.5 N s/m', method = 'implicit' }\ntwo = { between = ['a', 'b'], k = '50 kN/m', z = '0.1 N s/m', method = 'implicit', theta = 0.3 }\n[SOX]\nout = { from = 'b' }\n",
+    ),
+    (
+        "REF centred",
+        "[SOL]\nwall = {}\n[MAS]\na = { m = '1 g', dx0 = '1 mm' }\n[REF]\none = { between = ['wall', 'a'], k = '8 kN/m', z = '0.5 N s/m', method = 'centred' }\n[SOX]\nout = { from = 'a' }\n",
+    ),
+    (
+        "a string by its modes, struck",
+        "[model]\nmethod = 'modal'\n[STRING]\nlow = { n = 12, f = '110 Hz', t60 = '2 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-0.3 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[3]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[7]' }\n",
+    ),
+    (
+        "pefrl",
+        "[model]\nmethod = 'pefrl'\n[SOL]\nwall = {}\n[MAS]\na = { m = '1 g', dx0 = '1 mm' }\nb = { m = '2 g', v = '0.1 m/s' }\n[CUB]\none = { between = ['wall', 'a'], k = '2 kN/m', k3 = '1e9 N/m^3' }\n[RES]\ntwo = { between = ['a', 'b'], k = '3 kN/m' }\n[SOX]\nout = { from = 'b' }\n",
+    ),
+    (
+        "samples of several ticks, motion and a high pass",
+        "[rate]\noversample = 3\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 2, hear = 'speed' }\nhigh = { from = 'bar', gain = 3, dc = '20 Hz' }\n",
+    ),
+    (
+        "a body in space with softened springs and a floor",
+        "[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\nfloor = { x = [0, 0, '-30 mm'] }\n[air.MAS]\nball = { m = '5 g', x = ['12 mm', '16 mm', '1 mm'], v = ['0.5 m/s', '-0.2 m/s', '-0.3 m/s'] }\n[air.CUB]\nedge = { between = ['nail', 'ball'], k = '2 kN/m', k3 = '1e7 N/m^3', soften = '3 mm', z = '0.1 N s/m' }\n[air.BUT]\nstop = { between = ['floor', 'ball'], k = '3 kN/m', d = '33 mm', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'air.ball', along = [1, 0.5, 0.2] }\n",
+    ),
+];
+
+#[test]
+fn every_method_has_the_derivatives_of_its_renders() {
+    let (mut draw, mut all, mut wrong) = (Draw(7), [0, 0], Vec::new());
+    for (title, text) in METHODS {
+        let mut loaded = read(text);
+        let names = drawn(&mut loaded, &mut draw);
+        let [n, left_out] = compare(title, &loaded, &names, 1e-6, &mut wrong);
+        all = [all[0] + n, all[1] + left_out];
+    }
+    println!("{} parameters, {} without a reference", all[0], all[1]);
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(all[1] * 10 <= all[0], "{all:?}");
+}
+
+/// Linear scenes, whose differences are exact.
+#[test]
+fn linear_scenes_have_their_derivatives_to_a_billionth() {
+    let scenes = [
+        (
+            "a string",
+            "[STRING]\nlow = { n = 20, f = '220 Hz', t60 = '1 s', m = '1 g' }\n[MAS]\nbob = { m = '3 g', dx0 = '1 mm', v = '0.2 m/s' }\n[REF]\ntie = { between = ['low[5]', 'bob'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[11]', gain = 2 }\n",
+        ),
+        (
+            "a mesh",
+            "[MESH]\nskin = { nx = 5, ny = 6, f = '200 Hz', t60 = '0.5 s', m = '2 g' }\n[MAS]\nbob = { m = '3 g', dx0 = '1 mm', v = '0.2 m/s' }\n[RES]\ntie = { between = ['skin[7]', 'bob'], k = '2 kN/m' }\n[SOX]\nout = { from = 'skin[13]' }\n",
+        ),
+        (
+            "a string of waves",
+            "[WAVEGUIDE]\nlow = { f = '220 Hz', t60 = '1 s', z = '0.5 N s/m', at = [0.3, 0.7] }\n[MAS]\nbob = { m = '3 g', dx0 = '1 mm', v = '0.2 m/s' }\n[REF]\ntie = { between = ['low[0]', 'bob'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[1]' }\n",
+        ),
+        (
+            "implicit",
+            "[model]\nmethod = 'implicit'\n[STRING]\nlow = { n = 20, f = '220 Hz', t60 = '1 s', m = '1 g' }\n[MAS]\nbob = { m = '3 g', dx0 = '1 mm', v = '0.2 m/s' }\n[REF]\ntie = { between = ['low[5]', 'bob'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[11]' }\n",
+        ),
+        (
+            "modal",
+            "[model]\nmethod = 'modal'\n[STRING]\nlow = { n = 20, f = '220 Hz', t60 = '1 s', m = '1 g' }\n[MAS]\nbob = { m = '3 g', dx0 = '1 mm', v = '0.2 m/s' }\n[REF]\ntie = { between = ['low[5]', 'bob'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[11]' }\n",
+        ),
+    ];
+    let (mut draw, mut wrong) = (Draw(3), Vec::new());
+    for (title, text) in scenes {
+        let mut loaded = read(text);
+        let names = drawn(&mut loaded, &mut draw);
+        let [_, left_out] = compare(title, &loaded, &names, 1e-9, &mut wrong);
+        assert_eq!(left_out, 0, "{title}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}

@@ -1,0 +1,82 @@
+//! What has no derivative is refused, by name.
+
+use crate::reference::{played, read, tangents};
+use ca_gradient::Forward;
+use cordis_anima::Options;
+
+const STRING: &str = "[STRING]\nlow = { n = 20, f = '220 Hz', t60 = '1 s', m = '1 g' }\n[MAS]\nbob = { m = '3 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nhit = { between = ['bob', 'low[5]'], k = '1e5 N/m^1.5', p = 1.5 }\n[SOX]\nout = { from = 'low[11]' }\n";
+
+fn refused(text: &str, name: &str) -> String {
+    Forward::new(&read(text), &Options::default(), &[name]).err().expect("no derivative").to_string()
+}
+
+#[test]
+fn what_has_no_derivative_is_named() {
+    for (name, why) in [
+        ("low.n", "`low.n` is a whole number"),
+        ("hit.p", "`hit.p` is an exponent"),
+        ("hit.method", "`hit.method` is one of several words"),
+        ("hit.between", "`hit.between` is no number"),
+        ("bob.w", "`bob.w`: MAS has no such parameter"),
+        ("bop.m", "the model has no `bop.m`; did you mean `bob.m`?"),
+        ("bob.v[0]", "`bob.v[0]`: `bob.v` is no list"),
+        ("rate.sound", "the model has no `rate.sound`"),
+    ] {
+        let said = refused(STRING, name);
+        assert!(said.starts_with(why), "{name}: {said}");
+    }
+    let rate = format!("[rate]\nsound = '48 kHz'\n{STRING}");
+    assert!(refused(&rate, "rate.sound").contains("changes what is built"), "{}", refused(&rate, "rate.sound"));
+}
+
+/// Where two parameters may be moved only one way, derivatives are those of that side.
+#[test]
+fn at_the_end_of_a_range_the_derivative_is_one_sided() {
+    let text = "[CEL]\nbar = { m = '2 g', k = '9 kN/m', z = 0, dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar' }\n";
+    let t = tangents(&read(text), 500, &["bar.z"]);
+    let near = tangents(&read(&text.replace("z = 0,", "z = 1e-9,")), 500, &["bar.z"]);
+    for (a, b) in t.tangents.iter().zip(&near.tangents) {
+        assert!((a - b).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+/// The numbers themselves have the bits of a render.
+#[test]
+fn the_sound_is_that_of_a_render() {
+    let loaded = read(STRING);
+    let t = tangents(&loaded, 1000, &["bob.v", "low.f", "bob.m", "hit.k", "low.m", "low.t60", "bob.x", "out.gain"]);
+    let bits = |all: &[f64]| all.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+    assert_eq!(bits(&t.output), bits(&played(&loaded, &[], 1000).output));
+    // eight parameters take two renders; the columns of the second are those of one by itself
+    let gain = tangents(&loaded, 1000, &["out.gain"]);
+    let last: Vec<f64> = t.tangents.iter().skip(7).step_by(8).copied().collect();
+    assert_eq!(bits(&last), bits(&gain.tangents));
+}
+
+/// A gradient from a cotangent is the product with all derivatives.
+#[test]
+fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
+    let loaded = read(STRING);
+    let names = ["bob.v", "low.f", "hit.k"];
+    let t = tangents(&loaded, 800, &names);
+    let forward = Forward::new(&loaded, &Options::default(), &names).expect("derivatives");
+    // of the sum of squares
+    let cotangent: Vec<f64> = t.output.iter().map(|y| 2.0 * y).collect();
+    let gradient = forward.gradient(&cotangent, None).expect("a gradient");
+    for (k, g) in gradient.iter().enumerate() {
+        let sum: f64 = cotangent.iter().zip(t.tangents.iter().skip(k).step_by(3)).map(|(c, d)| c * d).sum();
+        assert!((g - sum).abs() <= 1e-12 * sum.abs(), "{g} {sum}");
+    }
+    assert_eq!(forward.output(Some(800.0 / 48_000.0), None).expect("a render"), t.output);
+    assert!(forward.gradient(&[], None).is_err());
+}
+
+#[test]
+fn groups_at_the_gesture_rate_and_driven_parameters_are_refused() {
+    let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['bed', 'lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[BUT]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
+    let said = refused(slow, "bar.m");
+    assert!(said.contains("gesture rate"), "{said}");
+    let driven = "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'bar' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\n";
+    let said = refused(driven, "bar.m");
+    assert!(said.contains("`force` is driven by the port `hand`"), "{said}");
+}
