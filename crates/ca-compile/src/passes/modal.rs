@@ -26,6 +26,7 @@ use alloc::vec::Vec;
 use ca_core::kind::name::{Name, Part};
 use ca_core::kind::{Coefs, MatSpec, Role};
 use ca_core::live::Source;
+use ca_core::numeric::DUAL;
 use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
@@ -113,12 +114,15 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     links(net, &bounds, &numbers, Points::AtLoad, &mut linear, |l, _| inside(net, l, &within, group));
     let tick_dt = net.tick_dt;
     let network = Network { tick_dt, linear, ..Network::default() };
-    let Some(found) = modes(&network) else {
+    let Some(mut found) = modes(&network) else {
         let title = format!("{name} has {} places that move, or numbers beyond computing", network.linear.dofs.len());
         let help = format!("modes are computed up to {LARGEST} places: use `method = \"ca\"`, or a smaller group");
         diags.push(refuse(model, net, item, "E027", title, &help));
         return;
     };
+    if DUAL {
+        found.list.iter_mut().for_each(oriented);
+    }
     warn(model, net, item, &found.list, &name, diags);
     let kept: Vec<&Mode> = found.list.iter().filter(|m| m.a < core::f64::consts::PI * core::f64::consts::PI).collect();
     if kept.len() < found.list.len() {
@@ -160,6 +164,15 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     within.iter().zip(&mut net.alive).filter(|(w, _)| **w).for_each(|(_, alive)| *alive = false);
     let lias = core::mem::take(&mut net.lias);
     net.drop_links(lias, &keep);
+}
+
+/// Turns a shape so that its sign does not hang on rounding: scenes compiled around a value of a parameter are differenced. What
+/// sounds is the same to the bit. By a sum with weights of no symmetry, which is nothing for no shape that has any.
+fn oriented(mode: &mut Mode) {
+    let weights = (0..mode.shape.len()).map(|i| 1.0 + 0.618_033_988_749_895 * i as f64 % 1.0);
+    if weights.zip(&mode.shape).map(|(w, v)| w * v).sum::<f64>() < 0.0 {
+        mode.shape.iter_mut().for_each(|v| *v = -*v);
+    }
 }
 
 /// What stands in the way, with what to do about it.

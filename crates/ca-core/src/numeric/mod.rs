@@ -18,6 +18,8 @@ pub use aligned::Aligned;
 pub use dual::{Dual, TANGENTS};
 pub use plain::Plain;
 pub use quarter::{quarter_mean, quarter_power, quarter_root};
-pub use real::{NONE, Outer, Real, SINGLE, TINY, Value, bare, inner, lift, outer, real, sqrt, value, value_sqrt, wide};
+pub use real::{
+    DUAL, NONE, Outer, Real, SINGLE, TINY, Value, bare, inner, lift, outer, real, sqrt, value, value_sqrt, wide,
+};
 pub use table::Table;
 pub use verlet::VerletList;

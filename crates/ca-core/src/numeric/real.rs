@@ -44,6 +44,8 @@ pub type Outer = Dual;
 
 /// True in the build of single precision.
 pub const SINGLE: bool = cfg!(single);
+/// True in the build of dual numbers.
+pub const DUAL: bool = cfg!(dual);
 /// Far above what is denormal and slow, far below what is heard.
 pub const TINY: Real = real(if SINGLE { 1e-30 } else { 1e-270 });
 /// The largest number, which stands for none where a place is meant.

@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{Real, Table, real, wide as widened};
+use crate::numeric::{DUAL, Real, Table, real, wide as widened};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -42,9 +42,14 @@ impl Energies {
         Energies {
             stored: |c, mem, tables, e0, e1| P::stored(&numbers(c), &numbers(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&numbers(c), &numbers(mem), tables, e),
-            block: Some(|links, e, out| {
-                wide::plain(links.layout, ByLaw::<P, C, M> { links, e, out, law: PhantomData });
-            }),
+            // no ledger has derivatives: nothing is made for one
+            block: if DUAL {
+                None
+            } else {
+                Some(|links, e, out| {
+                    wide::plain(links.layout, ByLaw::<P, C, M> { links, e, out, law: PhantomData });
+                })
+            },
         }
     }
 

@@ -20,7 +20,7 @@ pub struct Vectors {
     plain: Arch,
     /// passes whose vectors stand on cache lines
     // none of single precision do
-    #[cfg_attr(any(single, dual), expect(dead_code))]
+    #[cfg_attr(single, expect(dead_code))]
     widest: Arch,
 }
 
@@ -85,7 +85,11 @@ pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
 /// Runs `call` with the vectors for arrays as they stand.
 #[inline(always)]
 pub(crate) fn plain<W: pulp::WithSimd>(layout: &Layout, call: W) -> W::Output {
+    // a number with its derivatives is a vector of the widest
+    #[cfg(dual)]
+    return layout.vectors.widest.dispatch(call);
     // no third width is made of a body that would not gain by it
+    #[cfg(not(dual))]
     match layout.vectors.plain {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         Arch::V3(simd) => Simd::vectorize(simd, call),
