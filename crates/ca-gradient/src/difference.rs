@@ -1,21 +1,27 @@
 //! Difference: the derivatives of all numbers that a scene begins with, by one parameter.
 //!
-//! Decides for differences of the eighth order, central ones where the parameter may be moved both ways, with the widest step at which
+//! Decides for differences of the eighth order, central ones where the parameter may be moved both ways, with a step at which
 //! those of a lower order agree: what is smooth is then exact to 1e-12 or so, and what is not (a corner, a jump, a contact that
-//! is closed at load on one side only) agrees at no step and is refused. Where a step changes what is built, such as the
-//! length of a delay, a narrower one is tried; 1e-5 of the value is the last.
+//! is closed at load on one side only) agrees at no step and is refused.
 
 use crate::{Error, Parameter};
 use ca_core_dual::numeric::Dual;
 use ca_core_dual::scene::Scene;
 use ca_core_dual::state::Identity;
+use std::ops::Range;
 
-/// Steps, in parts of the value.
-const STEPS: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
-/// How far differences of both orders may be apart, relative.
-const AGREE: f64 = 1e-9;
-/// The rounding of a number by the compiler, in parts of itself; with a generous margin.
-const ROUNDING: f64 = 1e-12;
+/// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
+/// a change by parts of it is rounded away.
+const STEPS: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5];
+/// How many of them are not wider.
+const NARROW: usize = 4;
+/// How far differences may be off, relative: what is asked for, and what the best of all steps has to reach.
+const ASKED: f64 = 1e-9;
+const ENOUGH: f64 = 1e-7;
+/// The rounding of a number by the compiler, in parts of itself.
+const ROUNDING: f64 = 4e-16;
+/// A change of places \[m\], coefficients and the like by less is none, if it is nothing but rounding.
+const NOTHING: f64 = 1e-17;
 
 /// Weights of the values at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth.
 const CENTRAL: [[f64; 4]; 2] =
@@ -29,14 +35,24 @@ const ONE_SIDED: [[f64; 9]; 2] = [
 /// A scene as it begins: what decides how it runs, and its numbers.
 pub struct Start {
     structure: Identity,
-    pub numbers: Vec<f64>,
+    numbers: Vec<f64>,
+    /// stretches of numbers of one kind: one that is small beside the others is known to the digits of these
+    alike: Vec<Range<usize>>,
 }
 
 impl Start {
     pub fn of(mut scene: Scene) -> Start {
         let mut numbers = Vec::new();
         scene.numbers(&mut |v: &mut Dual| numbers.push(v.value()));
-        Start { structure: scene.structure(), numbers }
+        // as `Scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
+        let l = &scene.layout;
+        let lengths = [4 * l.reach.len(), l.e0.len(), l.rest.len(), l.shares.len(), l.couplings.len()];
+        let mut first = 0;
+        let alike = lengths.map(|n| {
+            first += n;
+            first - n..first
+        });
+        Start { alike: alike.to_vec(), structure: scene.structure(), numbers }
     }
 }
 
@@ -55,7 +71,12 @@ pub fn derivatives(
     compiled: &dyn Fn(f64) -> Result<Scene, String>,
 ) -> Result<Vec<f64>, Error> {
     let (mut obstacle, size) = (Obstacle::Rough, size(parameter));
-    for part in STEPS {
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for (i, part) in STEPS.into_iter().enumerate() {
+        // what was built otherwise by a narrow step is so by a wide one
+        if i == NARROW && !matches!(obstacle, Obstacle::Rough) {
+            break;
+        }
         let h = size * part;
         let at = |k: i32| -> Result<Vec<f64>, Obstacle> {
             let other = Start::of(compiled(parameter.value + f64::from(k) * h).map_err(Obstacle::Model)?);
@@ -69,11 +90,24 @@ pub fn derivatives(
             },
             found => found,
         };
-        match found.map(|f| f.checked(size)) {
-            Ok(Some(all)) => return Ok(all),
-            Ok(None) => obstacle = Obstacle::Rough,
+        match found {
+            Ok(found) => {
+                let (off, all) = found.derivatives(&start.alike);
+                obstacle = Obstacle::Rough;
+                if best.as_ref().is_none_or(|b| off < b.0) {
+                    best = Some((off, all));
+                }
+            }
             Err(o) => obstacle = o,
         }
+        if best.as_ref().is_some_and(|b| b.0 <= ASKED) {
+            break;
+        }
+    }
+    match best {
+        Some((off, all)) if off <= ENOUGH => return Ok(all),
+        Some(_) => obstacle = Obstacle::Rough,
+        None => {}
     }
     let name = &parameter.name;
     Err(Error::refused(match obstacle {
@@ -102,12 +136,15 @@ struct Found {
     low: Vec<f64>,
     /// the largest size of each number
     most: Vec<f64>,
+    /// its largest change
+    change: Vec<f64>,
 }
 
 impl Found {
     fn new(start: &Start, h: f64) -> Found {
         let none = vec![0.0; start.numbers.len()];
-        Found { h, high: none.clone(), low: none, most: start.numbers.iter().map(|v| v.abs()).collect() }
+        let most = start.numbers.iter().map(|v| v.abs()).collect();
+        Found { h, high: none.clone(), low: none.clone(), most, change: none }
     }
 
     fn add(&mut self, values: &[f64], base: &[f64], weights: [f64; 2]) {
@@ -117,17 +154,32 @@ impl Found {
             self.high[i] += weights[0] * change;
             self.low[i] += weights[1] * change;
             self.most[i] = self.most[i].max(v.abs());
+            self.change[i] = self.change[i].max(change.abs());
         }
     }
 
-    /// The derivatives, if both orders agree.
-    fn checked(&self, size: f64) -> Option<Vec<f64>> {
-        let h = self.h.abs();
-        let agree = self.high.iter().zip(&self.low).zip(&self.most).all(|((high, low), most)| {
-            let near = AGREE * (high.abs() / h + most / size) + ROUNDING * most / h;
-            (high - low).abs() / h <= near
-        });
-        agree.then(|| self.high.iter().map(|v| v / self.h).collect())
+    /// How far the derivatives are off, and these. Each is measured by the change of its number, and by that which would be as
+    /// large a part of it as the largest of all that are well resolved: what changes no more than by rounding is then no matter.
+    fn derivatives(mut self, alike: &[Range<usize>]) -> (f64, Vec<f64>) {
+        for range in alike {
+            let most = &mut self.most[range.clone()];
+            let all = most.iter().copied().fold(0.0, f64::max);
+            most.fill(all);
+        }
+        let changes = |i: &usize| self.change[*i] > 0.0;
+        let off = |i: usize| (self.high[i] - self.low[i]).abs() + ROUNDING * self.most[i];
+        let resolved = |i: &usize| off(*i) <= 1e-4 * self.change[*i];
+        let part = |i: usize| self.change[i] / self.most[i];
+        let all = 0..self.high.len();
+        let largest = all.clone().filter(changes).filter(resolved).map(part).fold(0.0, f64::max);
+        let counts = |i: &usize| resolved(i) || self.change[*i] > NOTHING;
+        let part_off = |i: usize| off(i) / (self.change[i] + largest * self.most[i]);
+        let worst = all.clone().filter(changes).filter(counts).map(part_off);
+        // what is no number is as wrong as can be
+        let worst = worst.fold(0.0, |most: f64, v| if v <= most { most } else { v });
+        let none = |i: usize| !resolved(&i) && self.change[i] <= NOTHING;
+        let derivatives = all.map(|i| if none(i) { 0.0 } else { self.high[i] / self.h }).collect();
+        (if worst.is_nan() { f64::INFINITY } else { worst }, derivatives)
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! A law that is added is here without a line of its own: its example is taken from its record.
 
-use crate::reference::{apart, column, difference, read, tangents};
+use crate::reference::{apart, column, difference, played, read, tangents};
 use ca_gradient::Forward;
 use cordis_anima::ca_core::kind::Type;
 use cordis_anima::ca_model::{Value, quantity};
@@ -86,6 +86,8 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong
         return [refused, refused];
     }
     let t = tangents(loaded, TICKS, &names);
+    let bits = |all: &[f64]| all.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
+    assert_eq!(bits(&t.output), bits(&played(loaded, &[], TICKS).output), "{title}");
     let (mut left_out, mut worst) = (refused, 0.0_f64);
     for (k, p) in t.parameters.iter().enumerate() {
         let Some((exact, doubt)) = difference(loaded, p, TICKS).filter(|d| d.1 < 0.1 * tolerance) else {
@@ -207,7 +209,7 @@ const METHODS: &[(&str, &str)] = &[
     ),
     (
         "a body in space with softened springs and a floor",
-        "[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\nfloor = { x = [0, 0, '-30 mm'] }\n[air.MAS]\nball = { m = '5 g', x = ['12 mm', '16 mm', '1 mm'], v = ['0.5 m/s', '-0.2 m/s', '-0.3 m/s'] }\n[air.CUB]\nedge = { between = ['nail', 'ball'], k = '2 kN/m', k3 = '1e7 N/m^3', soften = '3 mm', z = '0.1 N s/m' }\n[air.BUT]\nstop = { between = ['floor', 'ball'], k = '3 kN/m', d = '33 mm', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'air.ball', along = [1, 0.5, 0.2] }\n",
+        "[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\nfloor = { x = [0, 0, '-30 mm'] }\n[air.MAS]\nball = { m = '5 g', x = ['12 mm', '16 mm', '1 mm'], v = ['0.5 m/s', '-0.2 m/s', '-0.3 m/s'] }\n[air.CUB]\nedge = { between = ['air.nail', 'air.ball'], k = '2 kN/m', k3 = '1e7 N/m^3', soften = '3 mm', z = '0.1 N s/m' }\n[air.BUT]\nstop = { between = ['air.floor', 'air.ball'], k = '3 kN/m', d = '33 mm', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'air.ball', along = [1, 0.5, 0.2] }\n",
     ),
 ];
 

@@ -67,6 +67,7 @@ pub fn links(loaded: &Loaded) -> Vec<String> {
     let is_link = |name: &str| {
         let mut all = scene.symbols.iter();
         all.any(|s| matches!(s.location, Location::Lia(..)) && s.name.to_string() == name)
+            && loaded.compile(&Options { probes: vec![name.into()], ..Options::default() }).is_ok()
     };
     loaded.model.items.iter().map(|i| i.name.clone()).filter(|n| is_link(n)).collect()
 }
@@ -123,6 +124,13 @@ pub fn column(t: &Tangents, k: usize) -> Vec<f64> {
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let most = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let off = a.iter().zip(b).fold(0.0, |m: f64, (a, b)| if (a - b).abs() >= m { (a - b).abs() } else { m });
-    if off == 0.0 { 0.0 } else { off / most }
+    let off = a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let numbers = a.iter().chain(b).all(|v| v.is_finite());
+    if !numbers {
+        f64::INFINITY
+    } else if off == 0.0 {
+        0.0
+    } else {
+        off / most
+    }
 }

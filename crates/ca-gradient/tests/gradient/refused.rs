@@ -29,15 +29,17 @@ fn what_has_no_derivative_is_named() {
     assert!(refused(&rate, "rate.sound").contains("changes what is built"), "{}", refused(&rate, "rate.sound"));
 }
 
-/// Where two parameters may be moved only one way, derivatives are those of that side.
+/// Where a parameter may be moved only one way, derivatives are those of that side; and a value that is nearly nothing is moved by
+/// more than parts of itself, which would be rounded away.
 #[test]
 fn at_the_end_of_a_range_the_derivative_is_one_sided() {
     let text = "[CEL]\nbar = { m = '2 g', k = '9 kN/m', z = 0, dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar' }\n";
-    let t = tangents(&read(text), 500, &["bar.z"]);
-    let near = tangents(&read(&text.replace("z = 0,", "z = 1e-9,")), 500, &["bar.z"]);
-    for (a, b) in t.tangents.iter().zip(&near.tangents) {
-        assert!((a - b).abs() < 1e-9, "{a} {b}");
-    }
+    let of = |z: &str| tangents(&read(&text.replace("z = 0,", z)), 500, &["bar.z"]).tangents;
+    let (zero, next_to_it, near) = (of("z = 0,"), of("z = 1e-9,"), of("z = 1e-6,"));
+    let off = |a: &[f64]| a.iter().zip(&zero).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    let most = zero.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    assert!(off(&next_to_it) < 1e-7 * most, "{:e} of {most:e}", off(&next_to_it));
+    assert!(off(&near) < 1e-5 * most, "{:e} of {most:e}", off(&near));
 }
 
 /// The numbers themselves have the bits of a render.
@@ -73,7 +75,7 @@ fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
 
 #[test]
 fn groups_at_the_gesture_rate_and_driven_parameters_are_refused() {
-    let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['bed', 'lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[BUT]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
+    let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['key.bed', 'key.lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[BUT]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
     let said = refused(slow, "bar.m");
     assert!(said.contains("gesture rate"), "{said}");
     let driven = "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'bar' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\n";
