@@ -186,8 +186,9 @@ impl Found {
 /// By values on both sides.
 fn central(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64) -> Result<Found, Obstacle> {
     let mut found = Found::new(start, h);
-    for k in 0..CENTRAL[0].len() {
-        let (weights, steps) = ([CENTRAL[0][k], CENTRAL[1][k]], k as i32 + 1);
+    let [high, low] = CENTRAL;
+    for ((steps, high), low) in (1..).zip(high).zip(low) {
+        let weights = [high, low];
         found.add(&at(steps)?, &start.numbers, weights);
         found.add(&at(-steps)?, &start.numbers, weights.map(|w| -w));
     }
@@ -197,8 +198,9 @@ fn central(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64
 /// By values on one.
 fn one_sided(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64) -> Result<Found, Obstacle> {
     let mut found = Found::new(start, h);
-    for k in 1..ONE_SIDED[0].len() {
-        found.add(&at(k as i32)?, &start.numbers, [ONE_SIDED[0][k], ONE_SIDED[1][k]]);
+    let [high, low] = ONE_SIDED;
+    for ((steps, high), low) in (0..).zip(high).zip(low).skip(1) {
+        found.add(&at(steps)?, &start.numbers, [high, low]);
     }
     Ok(found)
 }

@@ -23,7 +23,7 @@ pub struct Parameter {
 
 impl Parameter {
     /// The parameter `name` of a model.
-    pub fn find(model: &Model, catalog: &Catalog, name: &str) -> Result<Parameter, Error> {
+    pub(crate) fn find(model: &Model, catalog: &Catalog, name: &str) -> Result<Parameter, Error> {
         let (whole, index) = split(name);
         let Some((e, unit)) = place(model, catalog, name, whole)? else { return absent(model, catalog, name, whole) };
         let value = match (index, &e.value) {
@@ -45,7 +45,7 @@ impl Parameter {
     }
 
     /// The model with this parameter at `value`.
-    pub fn put(&self, model: &Model, value: f64) -> Model {
+    pub(crate) fn put(&self, model: &Model, value: f64) -> Model {
         let mut other = model.clone();
         let written = |v: f64| if self.unit.is_empty() { Value::Num(v) } else { format!("{v:e} {}", self.unit).into() };
         let (whole, index) = split(&self.name);
