@@ -12,6 +12,7 @@
 mod error;
 mod fit;
 mod gesture;
+mod gradient;
 mod measure;
 mod model;
 mod scene;
@@ -25,6 +26,8 @@ mod wait;
 mod _core {
     #[pymodule_export]
     use crate::gesture::Gesture;
+    #[pymodule_export]
+    use crate::gradient::Forward;
     #[pymodule_export]
     use crate::measure::quantity;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use crate::error::{self, failure, findings, usage};
 use crate::gesture::Gesture;
+use crate::gradient::Forward;
 use crate::measure::{energy, table};
 use crate::sim::Sim;
 use crate::wait::Wait;
@@ -179,6 +180,11 @@ impl Scene {
             d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
         }
         Ok(d)
+    }
+
+    /// With derivatives by parameters of these names.
+    fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
+        Forward::new(py, &self.loaded, &self.options, &wrt)
     }
 
     /// The page of a film of it: see `cordis_anima.Scene.view`.

@@ -11,9 +11,10 @@ from typing import Any, Literal, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _html
+from . import _core, _gradient, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
 from ._linear import Linear, Rollout
+from ._gradient import Gradient, Loss, Tangents
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, length, number, reals, value
 from ._results import energy as _energy
@@ -269,6 +270,67 @@ class Scene:
             non_finite=raw["non_finite"],
             run_time=raw["run_time"],
         )
+
+    # its derivatives
+
+    def tangents(
+        self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None
+    ) -> Tangents:
+        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences.
+
+        Args:
+            wrt: names as `replace` takes them, e.g. ``"low.f"``, ``"hammer.v"``, and numbers of lists, e.g. ``"ball.v[1]"``.
+            seconds: as for `render`.
+            gesture: as for `render`; it drives ports.
+
+        Raises:
+            UsageError: no such name; a whole number, a word or a flag, by which there are no derivatives; a parameter that changes
+                what is built; groups at the gesture rate; parameters that ports or gestures drive; a scene that diverges.
+
+        >>> import cordis_anima as ca
+        >>> t = ca.examples.string().tangents(["hammer.v", "low.f"], 0.1)
+        >>> t.audio.shape, t.tangents.shape, t["low.f"].shape, t.units
+        ((4800, 1), (4800, 1, 2), (4800, 1), ('m/s', 'Hz'))
+        """
+        seconds = None if seconds is None else length(seconds)
+        return _gradient.tangents(self._forward(wrt), seconds, self._gesture(gesture), self.sr)
+
+    def gradient(
+        self,
+        wrt: Sequence[str],
+        *,
+        loss: Loss | None = None,
+        cotangent: npt.ArrayLike | None = None,
+        seconds: float | str | None = None,
+        gesture: Gesture = None,
+    ) -> Gradient:
+        """The gradient of a loss of its sound, without memory for the derivatives of samples.
+
+        Args:
+            wrt: as for `tangents`.
+            loss: called with the sound (frames, channels) in double precision; gives the loss, and its derivatives by each sample.
+            cotangent: these derivatives (frames, channels), where there is no loss to call; it says how long is played.
+            seconds: as for `render`, with a loss.
+            gesture: as for `tangents`.
+
+        Raises:
+            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape.
+
+        >>> import cordis_anima as ca
+        >>> g = ca.examples.string().gradient(["hammer.v"], loss=lambda y: ((y**2).sum(), 2 * y), seconds=0.1)
+        >>> g.loss > 0, g["hammer.v"] > 0
+        (True, True)
+        """
+        if cotangent is not None and (loss is not None or seconds is not None):
+            raise UsageError("a cotangent says how long is played, and of which loss it is")
+        seconds = None if seconds is None else length(seconds)
+        return _gradient.gradient(self._forward(wrt), seconds, self._gesture(gesture), cotangent, loss)
+
+    def _forward(self, wrt: Sequence[str]) -> _core.Forward:
+        names = [wrt] if isinstance(wrt, str) else list(wrt)
+        if not names:
+            raise UsageError("`wrt` names no parameter")
+        return self._compiled.forward(names)
 
     def _unit(self, selector: str) -> str:
         """What a probe is counted in: links are forces, and so are outputs of force; all else are places."""

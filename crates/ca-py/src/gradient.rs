@@ -1,0 +1,90 @@
+//! Derivatives of what a scene sounds, for `cordis_anima._gradient`.
+
+use crate::error;
+use crate::gesture::Gesture;
+use crate::measure::table;
+use ca_gradient::Error;
+use ca_lab::Failure;
+use ca_lab::load::Loaded;
+use numpy::{
+    IntoPyArray as _, PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _,
+};
+use pyo3::prelude::*;
+use std::sync::Arc;
+
+/// A scene, with the derivatives of all it begins with.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Forward(Arc<ca_gradient::Forward>);
+
+/// The exception for a derivative that there is not.
+fn failure(py: Python, e: Error) -> PyErr {
+    match e {
+        Error::Refused(what) => error::usage(py, &what),
+        Error::Model(found) => error::failure(py, Failure::Found(found)),
+        Error::Gesture(e) => error::gesture(py, &e),
+    }
+}
+
+impl Forward {
+    /// Of a model, by parameters of these names.
+    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Forward> {
+        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+        let made = py.detach(|| ca_gradient::Forward::new(loaded, options, &names));
+        made.map(|f| Forward(Arc::new(f))).map_err(|e| failure(py, e))
+    }
+}
+
+#[pymethods]
+impl Forward {
+    /// By what: name, value, unit.
+    #[getter]
+    fn parameters(&self) -> Vec<(&str, f64, &str)> {
+        self.0.parameters().iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
+    }
+
+    /// The sound, in double precision (frames, channels).
+    fn audio<'py>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let gesture = gesture.map(|g| &g.gesture);
+        let all = py.detach(|| self.0.output(seconds, gesture)).map_err(|e| failure(py, e))?;
+        let channels = self.0.outputs();
+        let frames = all.len() / channels.max(1);
+        table(py, all, frames, channels)
+    }
+
+    /// The sound, and its derivatives (frames, channels, parameters).
+    #[allow(clippy::type_complexity, reason = "two arrays")]
+    fn tangents<'py>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
+        let gesture = gesture.map(|g| &g.gesture);
+        let t = py.detach(|| self.0.tangents(seconds, gesture)).map_err(|e| failure(py, e))?;
+        let shape = [t.frames, t.outputs, t.parameters.len()];
+        let audio = table(py, t.output, t.frames, t.outputs)?;
+        Ok((audio, t.tangents.into_pyarray(py).reshape(shape)?))
+    }
+
+    /// The gradient of a loss from its cotangent (frames, channels).
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        cotangent: PyReadonlyArray2<'py, f64>,
+        gesture: Option<&Gesture>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let channels = self.0.outputs();
+        if cotangent.shape()[1] != channels {
+            let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
+            return Err(error::usage(py, &what));
+        }
+        let (gesture, all) = (gesture.map(|g| &g.gesture), cotangent.as_array().iter().copied().collect::<Vec<f64>>());
+        let found = py.detach(|| self.0.gradient(&all, gesture)).map_err(|e| failure(py, e))?;
+        Ok(found.into_pyarray(py))
+    }
+}

@@ -1,0 +1,81 @@
+"""Derivatives of what a scene sounds, against differences and products."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+import cordis_anima as ca
+
+Floats = npt.NDArray[np.float64]
+BAR = """
+[CEL]
+bar = { m = "2 g", f = "440 Hz", t60 = "0.2 s", dx0 = "1 mm" }
+[SOX]
+left = { from = "bar", gain = 500 }
+right = { from = "bar", gain = 300 }
+"""
+
+
+def test_tangents_are_those_of_differences() -> None:
+    scene = ca.parse(BAR)
+    t = scene.tangents(["bar.f", "bar.dx0", "left.gain"], 0.02)
+    assert t.audio.shape == (960, 2) and t.tangents.shape == (960, 2, 3)
+    assert (t.wrt, t.units, t.sr) == (("bar.f", "bar.dx0", "left.gain"), ("Hz", "m", ""), 48000)
+    assert np.array_equal(t.audio.astype(np.float32), scene.render(0.02).audio)
+    # linear in these two
+    assert np.allclose(t["bar.dx0"] * 1e-3, t.audio, rtol=1e-10, atol=1e-12)
+    assert np.allclose(t["left.gain"][:, 0] * 500, t.audio[:, 0], rtol=1e-12) and not t["left.gain"][:, 1].any()
+    up, down = (scene.replace({"bar.f": f}).tangents(["bar.f"], 0.02).audio for f in (440.001, 439.999))
+    difference = (up - down) / 0.002
+    assert np.abs(difference - t["bar.f"]).max() < 1e-7 * np.abs(difference).max()
+
+
+def test_a_gradient_is_that_of_its_loss() -> None:
+    scene = ca.parse(BAR)
+    names = ["bar.f", "bar.t60", "bar.dx0"]
+
+    def loss(y: Floats) -> tuple[float, Floats]:
+        return float((y**2).sum()), 2 * y
+
+    g = scene.gradient(names, loss=loss, seconds=0.02)
+    t = scene.tangents(names, 0.02)
+    assert g.loss == pytest.approx((t.audio**2).sum())
+    assert g.gradient == pytest.approx(t.gradient(2 * t.audio), rel=1e-12)
+    assert g["bar.dx0"] == pytest.approx(2 * g.loss / 1e-3)
+    again = scene.gradient(names, cotangent=2 * t.audio)
+    assert again.loss is None and np.array_equal(again.gradient, g.gradient)
+
+
+def test_a_descent_finds_the_stroke() -> None:
+    """A few steps of Newton on the speed of a hammer that is pressed by a spring, so that no blow moves to another tick."""
+    text = BAR + '[MAS]\nbob = { m = "5 g", v = "0.4 m/s" }\n[CUB]\ntie = { between = ["bob", "bar"], k = "2 kN/m", k3 = "1e8 N/m^3" }\n'
+    target = ca.parse(text).tangents(["bob.v"], 0.01).audio
+    v = 0.3
+    for _ in range(8):
+        t = ca.parse(text).replace({"bob.v": f"{v!r} m/s"}).tangents(["bob.v"], 0.01)
+        slope = t["bob.v"]
+        v -= float((slope * (t.audio - target)).sum() / (slope**2).sum())
+    assert v == pytest.approx(0.4, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("wrt", "said"),
+    [(["bar.n"], "no such parameter"), (["bop.m"], "did you mean"), ([], "names no parameter"), (["left.hear"], "one of several words")],
+)
+def test_what_has_no_derivative_is_refused(wrt: list[str], said: str) -> None:
+    with pytest.raises(ca.UsageError, match=said):
+        ca.parse(BAR).tangents(wrt, 0.01)
+
+
+def test_shapes_are_checked() -> None:
+    scene = ca.parse(BAR)
+    with pytest.raises(ca.UsageError, match="shape"):
+        scene.gradient(["bar.f"], cotangent=np.zeros((10, 3)))
+    with pytest.raises(ca.UsageError, match="shape"):
+        scene.gradient(["bar.f"], loss=lambda y: (0.0, y[1:]), seconds=0.01)
+    with pytest.raises(ca.UsageError, match="cotangent"):
+        scene.gradient(["bar.f"])
+    with pytest.raises(ca.UsageError, match="no derivative by"):
+        scene.tangents(["bar.f"], 0.01)["bar.m"]
