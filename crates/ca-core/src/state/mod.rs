@@ -6,6 +6,8 @@
 
 pub(crate) mod active_contacts;
 pub(crate) mod ledger;
+// what is kept has no derivatives
+#[cfg(not(dual))]
 mod snapshot;
 
 use crate::numeric::words::word;
@@ -16,6 +18,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 pub use ledger::{Balance, Exchange, Ledger};
+#[cfg(not(dual))]
 pub use snapshot::NotRestored;
 
 /// Nodes and weights under a moving point.

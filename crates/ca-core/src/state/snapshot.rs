@@ -100,7 +100,7 @@ impl State {
         }
         let (whole, foot) = bytes.split_at(bytes.len() - FOOT);
         let sum = foot.first_chunk().map(|w| u64::from_le_bytes(*w));
-        if sum != Some(checksum(whole)) { Err(NotRestored::Damaged) } else { Ok(&whole[HEAD..]) }
+        if sum == Some(checksum(whole)) { Ok(&whole[HEAD..]) } else { Err(NotRestored::Damaged) }
     }
 
     /// True where every place that a tick looks up is one of this state.
@@ -290,11 +290,15 @@ trait Words {
     }
 
     fn each_of<const N: usize>(&mut self, all: [&mut f64; N]) {
-        all.into_iter().for_each(|v| self.double(v));
+        for v in all {
+            self.double(v);
+        }
     }
 
     fn doubles(&mut self, all: &mut [f64]) {
-        all.iter_mut().for_each(|v| self.double(v));
+        for v in all {
+            self.double(v);
+        }
     }
 
     fn reals(&mut self, all: &mut [Real]) {
