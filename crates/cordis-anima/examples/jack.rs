@@ -9,7 +9,7 @@ use cordis_anima::{Loaded, Options, Voice};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-pub const BAR: &str = r#"
+const BAR: &str = r#"
 [param]
 pitch = { value = "220 Hz", live = true, min = "100 Hz", max = "400 Hz" }
 [CEL]
@@ -44,23 +44,39 @@ pub fn bar(rate: f64) -> (Voice, Param) {
     (voice, pitch)
 }
 
-/// A client that plays, and what changes its pitch; it plays until it is dropped.
-pub fn play(name: &str) -> Result<(jack::AsyncClient<(), Player>, impl Fn(f64)), jack::Error> {
-    let (client, _) = jack::Client::new(name, jack::ClientOptions::NO_START_SERVER)?;
-    let out = client.register_port("out_0", jack::AudioOut)?;
-    let (voice, pitch) = bar(client.sample_rate() as f64);
-    let (to_voice, changes): (SyncSender<(Param, f64)>, _) = sync_channel(16);
-    let client = client.activate_async((), Player { voice, out, changes })?;
-    Ok((client, move |hertz| to_voice.send((pitch, hertz)).expect("the voice is there")))
+/// A client that plays until it is dropped.
+pub struct Playing {
+    client: jack::AsyncClient<(), Player>,
+    pitch: Param,
+    to_voice: SyncSender<(Param, f64)>,
+}
+
+impl Playing {
+    /// Begins to play, as the client `name`.
+    pub fn begin(name: &str) -> Result<Playing, jack::Error> {
+        let (client, _) = jack::Client::new(name, jack::ClientOptions::NO_START_SERVER)?;
+        let out = client.register_port("out_0", jack::AudioOut)?;
+        let (voice, pitch) = bar(client.sample_rate() as f64);
+        let (to_voice, changes) = sync_channel(16);
+        let client = client.activate_async((), Player { voice, out, changes })?;
+        Ok(Playing { client, pitch, to_voice })
+    }
+
+    /// Moves the pitch.
+    pub fn pitch(&self, hertz: f64) {
+        self.to_voice.send((self.pitch, hertz)).expect("the voice is there");
+    }
 }
 
 fn main() -> Result<(), jack::Error> {
-    let (client, pitch) = play("ca voice")?;
-    let ours = format!("{}:out_0", client.as_client().name());
-    for port in client.as_client().ports(Some("system:playback_.*"), None, jack::PortFlags::IS_INPUT) {
-        client.as_client().connect_ports_by_name(&ours, &port)?;
+    let playing = Playing::begin("ca voice")?;
+    let client = playing.client.as_client();
+    let ours = format!("{}:out_0", client.name());
+    for port in client.ports(Some("system:playback_.*"), None, jack::PortFlags::IS_INPUT) {
+        client.connect_ports_by_name(&ours, &port)?;
     }
     println!("it plays; type a frequency, or end the line with Ctrl-D");
-    std::io::stdin().lines().map_while(Result::ok).filter_map(|line| line.trim().parse().ok()).for_each(pitch);
+    let lines = std::io::stdin().lines().map_while(Result::ok);
+    lines.filter_map(|line| line.trim().parse().ok()).for_each(|hertz| playing.pitch(hertz));
     Ok(())
 }

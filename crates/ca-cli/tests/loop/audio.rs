@@ -180,14 +180,14 @@ mod example;
 #[ignore = "a part of other tests"]
 fn voice() {
     let Some(job) = Job::asked() else { return };
-    let (client, pitch) = example::play("ca voice").unwrap();
+    let playing = example::Playing::begin("ca voice").unwrap();
     job.ready();
     std::thread::sleep(Duration::from_millis(1500));
-    pitch(330.0);
+    playing.pitch(330.0);
     while !job.is_over() {
         std::thread::sleep(Duration::from_millis(10));
     }
-    drop(client);
+    // as ears do
     std::process::exit(0);
 }
 

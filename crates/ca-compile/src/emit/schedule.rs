@@ -350,7 +350,7 @@ fn loaded(
         lengths: layout.reach.iter().map(|_| UNKNOWN).collect(),
         tap: Aligned::zeros(layout.n_tap),
         last_input: input.clone(),
-        output: alloc::vec![real(0.0); layout.n_out],
+        output: alloc::vec![lift(0.0); layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.moving_points.len()],
         slow: None,

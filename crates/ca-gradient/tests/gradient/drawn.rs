@@ -52,11 +52,7 @@ fn drawn(loaded: &mut Loaded, draw: &mut Draw) -> Vec<String> {
                 (
                     Type::Number { .. } | Type::PowerStiffness { .. } | Type::Position { .. },
                     v @ (Value::Num(_) | Value::Text(_)),
-                ) => {
-                    if number(v) {
-                        names.push(name);
-                    }
-                }
+                ) => names.extend(number(v).then_some(name)),
                 (Type::Position { .. }, Value::List(list)) => {
                     for (i, x) in list.iter_mut().enumerate() {
                         if number(&mut x.value) {

@@ -66,7 +66,7 @@ pub fn links(loaded: &Loaded) -> Vec<String> {
     let scene = compiled(loaded, Vec::new());
     let is_link = |name: &str| {
         let mut all = scene.symbols.iter();
-        all.any(|s| matches!(s.location, Location::Lia(..)) && s.name.to_string() == name)
+        all.any(|s| matches!(s.location, Location::Lia(..)) && s.name == *name)
             && loaded.compile(&Options { probes: vec![name.into()], ..Options::default() }).is_ok()
     };
     loaded.model.items.iter().map(|i| i.name.clone()).filter(|n| is_link(n)).collect()
@@ -97,10 +97,10 @@ pub fn difference(loaded: &Loaded, p: &Parameter, ticks: usize) -> Option<(Vec<f
         let at = |k: f64| played(&with(loaded, p, p.value + k * h), &links, ticks);
         let mut sums = [vec![0.0; base.output.len()], vec![0.0; base.output.len()]];
         let mut same = true;
-        for k in 0..4 {
+        for (k, weights) in WEIGHTS[0].into_iter().zip(WEIGHTS[1]).enumerate() {
             let [up, down] = [at(k as f64 + 1.0), at(-(k as f64) - 1.0)];
             same &= up.acts == base.acts && down.acts == base.acts;
-            for (sum, w) in sums.iter_mut().zip([WEIGHTS[0][k], WEIGHTS[1][k]]) {
+            for (sum, w) in sums.iter_mut().zip([weights.0, weights.1]) {
                 for ((sum, up), down) in sum.iter_mut().zip(&up.output).zip(&down.output) {
                     *sum += w * (up - down) / h;
                 }

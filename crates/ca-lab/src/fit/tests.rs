@@ -93,7 +93,9 @@ fn a_hidden_string_is_found() {
     let vary = names(&HIDDEN);
     for seed in 0..6_u64 {
         let mut drawn = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
-        (0..8).for_each(|_| drop(drawn.next()));
+        for _ in 0..8 {
+            drawn.next();
+        }
         let truth = [drawn.between(80.0, 220.0), drawn.between(1.0, 7.0), drawn.between(0.004, 0.04)];
         let mut recording = recorded(&model(MINE, &[0, 1, 2].map(|k| (HIDDEN[k], truth[k]))), 1.0);
         if seed == 5 {
