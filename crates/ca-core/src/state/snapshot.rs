@@ -17,7 +17,7 @@ use core::hash::Hasher as _;
 /// The first bytes of a snapshot.
 const MAGIC: &[u8; 8] = b"ca state";
 /// The order of its numbers.
-pub const VERSION: u64 = 1;
+pub const SNAPSHOT_VERSION: u64 = 1;
 /// Bytes before the numbers: what it is, the version, the identity of the scene.
 const HEAD: usize = 24;
 /// Bytes behind them: FNV-1a of all before.
@@ -28,7 +28,7 @@ const FOOT: usize = 8;
 pub enum NotRestored {
     /// the bytes are no snapshot
     NoSnapshot,
-    /// of this version, which is not [`VERSION`]
+    /// of this version, which is not [`SNAPSHOT_VERSION`]
     Version(u64),
     /// of another scene: another model, other values, or compiled with other options
     OtherScene,
@@ -40,7 +40,9 @@ impl fmt::Display for NotRestored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             NotRestored::NoSnapshot => write!(f, "not a snapshot of a state"),
-            NotRestored::Version(v) => write!(f, "a snapshot of version {v}; this program reads version {VERSION}"),
+            NotRestored::Version(v) => {
+                write!(f, "a snapshot of version {v}; this program reads version {SNAPSHOT_VERSION}")
+            }
             NotRestored::OtherScene => write!(
                 f,
                 "a snapshot of another scene: the model, its values, its rate, probes or the energy ledger are not those it was taken with"
@@ -56,7 +58,7 @@ impl State {
     /// All that decides the future of this state, between two ticks, as bytes. The same on every machine.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::from(MAGIC);
-        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(SNAPSHOT_VERSION.to_le_bytes());
         bytes.extend(self.scene.0.to_le_bytes());
         self.clone().each(&mut Writer(&mut bytes));
         let sum = checksum(&bytes);
@@ -87,7 +89,7 @@ impl State {
             return Err(NotRestored::NoSnapshot);
         }
         let version = word(8).ok_or(NotRestored::Damaged)?;
-        if version != VERSION {
+        if version != SNAPSHOT_VERSION {
             return Err(NotRestored::Version(version));
         }
         if word(16).ok_or(NotRestored::Damaged)? != self.scene.0 {
