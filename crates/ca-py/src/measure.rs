@@ -5,15 +5,17 @@ use crate::wait::Wait;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::kind::Type;
+use ca_core::scene::Location;
 use ca_core::state::Ledger;
 use ca_lab::accuracy::{self, AccuracyOptions};
-use ca_lab::load::Loaded;
+use ca_lab::load::{self, Loaded};
 use ca_lab::{Failure, Found, catalog};
 use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// The unit of a parameter; empty where it has none.
 pub fn symbol(ty: Type) -> String {
@@ -74,10 +76,22 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
 pub fn linear<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
     let found = py.detach(|| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
-        ca_compile::linear_tick(&loaded.model, &catalog(), &options)
-            .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))
+        let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)
+            .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
+        Ok((network, load::scene(loaded, &options)?.scene))
     });
-    let network = found.map_err(|e| failure(py, e))?;
+    let (network, scene) = found.map_err(|e| failure(py, e))?;
+    // the motion into the first tick is that of the scene, which begins by the forces at load
+    let places: HashMap<String, usize> = scene
+        .symbols
+        .iter()
+        .filter_map(|s| if let Location::Mat(at) = s.location { Some((s.name.to_string(), at as usize)) } else { None })
+        .collect();
+    let motion = |(name, dof): (&String, &Dof)| {
+        let at = places.get(name).or_else(|| places.get(name.rsplit_once('.')?.0))?;
+        scene.initial.d.get(at + dof.axis as usize).copied()
+    };
+    let d0: Vec<f64> = network.names.iter().zip(&network.linear.dofs).map(|m| motion(m).unwrap_or(0.0)).collect();
     let linear = &network.linear;
     let d = PyDict::new(py);
     d.set_item("tick", network.tick_dt)?;
@@ -100,6 +114,7 @@ pub fn linear<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyRes
     d.set_item("places", network.names.clone())?;
     d.set_item("driven", network.driven.clone())?;
     d.set_item("x", network.x.clone().into_pyarray(py))?;
+    d.set_item("d", d0.into_pyarray(py))?;
     d.set_item("v", network.v.clone().into_pyarray(py))?;
     d.set_item("left_out", network.left_out.iter().map(|l| l.0.as_str()).collect::<Vec<_>>())?;
     d.set_item("other_scheme", network.other_scheme)?;

@@ -13,7 +13,6 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::io::Hear;
 use ca_core::law::Bound;
-use ca_core::mat::CEL;
 use ca_core::numeric::{bare, lift};
 use ca_core::op::pass;
 use ca_core::tuning::Scheme;
@@ -194,18 +193,15 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
 
 /// What of the dofs does not move by forces at a place.
 fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
-    let groups = || linear.dofs.iter().map(|p| net.mats[p.mat as usize].group);
+    let group = |i: u32| linear.dofs.get(i as usize).and_then(|p| net.mats[p.mat as usize].group);
+    let linked = || linear.rows.iter().flat_map(|r| linear.entries(r)).map(|e| e.0);
     match () {
         () if net.is_composed() => Some("method = \"pefrl\""),
-        () if groups().any(|g| net.medium_of(g).slow) => Some("rate = \"gesture\""),
-        // a cell is a mode by itself, and moves as any other
-        () if linear.dofs.iter().any(|p| {
-            let m = &net.mats[p.mat as usize];
-            m.code != CEL.code && net.scheme(m.group) == Scheme::Modal
-        }) =>
-        {
-            Some("method = \"modal\"")
+        () if linear.dofs.iter().any(|p| net.medium_of(net.mats[p.mat as usize].group).slow) => {
+            Some("rate = \"gesture\"")
         }
+        // what no link holds is a mode by itself, and moves as any other
+        () if linked().any(|i| net.scheme(group(i)) == Scheme::Modal) => Some("method = \"modal\""),
         () => None,
     }
 }

@@ -75,7 +75,7 @@ impl State {
         let mut restored = self.clone();
         let numbers = self.checked(bytes, &mut restored)?;
         restored.each(&mut Reader(numbers));
-        if !restored.is_sound() {
+        if !restored.is_valid() {
             return Err(NotRestored::Damaged);
         }
         *self = restored;
@@ -106,12 +106,12 @@ impl State {
     }
 
     /// True where every place that a tick looks up is one of this state.
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let places = self.x.len();
         let cells = self.cells.iter().all(|c| c.n <= 4 && c.node.iter().all(|m| (*m as usize) < places.max(1)));
         // centuries, and far from where counting would end
         let time = self.tick < 1 << 56;
-        time && cells && self.ramps.is_sound() && self.slow.as_ref().is_none_or(|slow| slow.state.is_sound())
+        time && cells && self.ramps.is_valid() && self.slow.as_ref().is_none_or(|slow| slow.state.is_valid())
     }
 
     /// Every number, in order. Who adds a field is asked here what to do with it.
@@ -203,7 +203,7 @@ impl Ramps {
     }
 
     /// True where those that move are those with ticks left, each listed once.
-    fn is_sound(&self) -> bool {
+    fn is_valid(&self) -> bool {
         let Some(active) = self.active.get(..self.moving) else { return false };
         let mut listed: Vec<u32> = active.to_vec();
         listed.sort_unstable();

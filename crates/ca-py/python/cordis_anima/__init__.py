@@ -17,8 +17,9 @@ from typing import NamedTuple
 
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
-from ._linear import Linear, Rollout
 from ._fit import Beyond, Distance, Fit, Fitted, fit
+from ._gradient import Gradient, Tangents
+from ._linear import Linear, Rollout
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render

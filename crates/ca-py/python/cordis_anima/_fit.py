@@ -49,7 +49,7 @@ class Beyond(NamedTuple):
     #: by damped sinusoids with as many free numbers or more
     sinusoids: Distance
     #: how many sinusoids
-    count: int
+    n: int
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -59,8 +60,9 @@ class Linear:
     hears: tuple[tuple[str, ...], Any]
     #: names and places of links that are not linear (links, places): elongation
     acts: tuple[tuple[str, ...], Any]
-    #: displacement [m] and speed [m/s] of each place at load
+    #: displacement [m] of each place at load, its motion in the tick before [m], and its speed [m/s]
     x: Floats
+    d: Floats
     v: Floats
     #: links that are not linear, and so not in it
     left_out: tuple[str, ...]
@@ -70,7 +72,7 @@ class Linear:
     @classmethod
     def _of(cls, raw: dict[str, Any]) -> Linear:
         try:
-            from scipy import sparse
+            sparse: Any = import_module("scipy.sparse")
         except ImportError:
             raise UsageError('matrices need SciPy: pip install "cordis-anima[linear]"') from None
         places, driven = tuple(raw["places"]), tuple(name for name in raw["driven"])
@@ -113,6 +115,7 @@ class Linear:
             hears=named(raw["hears"]),
             acts=named(raw["acts"]),
             x=raw["x"],
+            d=raw["d"],
             v=raw["v"],
             left_out=tuple(raw["left_out"]),
             other_scheme=raw["other_scheme"],
@@ -135,27 +138,28 @@ class Linear:
 
         Args:
             x: displacements [m] (places,), or of several states side by side (places, states).
-            d: motion in the tick before [m], alike; at load `v` times `T`.
+            d: motion in the tick before [m], alike; at load `Linear.d`.
             force: force on each place [N].
             driven: displacement of each driven place [m], and its motion in this tick [m].
 
         Raises:
             UsageError: some group does not move by forces at places, see `other_scheme`.
         """
-        from scipy.sparse.linalg import spsolve
-
         if self.other_scheme is not None:
             raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick is none of these matrices")
-        x, d = np.asarray(x, dtype=np.float64), np.asarray(d, dtype=np.float64)
-        at, moves = (np.broadcast_to(np.asarray(v, dtype=np.float64), (len(self.driven), *x.shape[1:])) for v in driven)
-        pull = self.K @ x + self.Z @ d / self.T + self.K_driven @ at + self.Z_driven @ moves / self.T
-        total = np.asarray(force, dtype=np.float64) - pull
+        at: Floats = np.asarray(x, dtype=np.float64)
+        motion: Floats = np.asarray(d, dtype=np.float64)
+        shape = (len(self.driven), *at.shape[1:])
+        port, moves = (np.broadcast_to(np.asarray(v, dtype=np.float64), shape) for v in driven)
+        pull = self.K @ at + self.Z @ motion / self.T + self.K_driven @ port + self.Z_driven @ moves / self.T
+        total: Floats = np.asarray(force, dtype=np.float64) - pull
         if self.N.count_nonzero():
-            u = spsolve((self.M / self.T**2 + self.N).tocsc(), total).reshape(x.shape)
+            solve: Any = import_module("scipy.sparse.linalg").spsolve
+            more: Floats = np.asarray(solve((self.M / self.T**2 + self.N).tocsc(), total)).reshape(at.shape)
         else:
-            u = (total.T * self.mobility).T
-        d = d + u
-        return x + d, d
+            more = (total.T * self.mobility).T
+        after: Floats = motion + more
+        return at + after, after
 
 
 @dataclass(frozen=True, eq=False)

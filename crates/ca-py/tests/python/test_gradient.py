@@ -62,7 +62,7 @@ def test_a_descent_finds_the_stroke() -> None:
 
 @pytest.mark.parametrize(
     ("wrt", "said"),
-    [(["bar.n"], "no such parameter"), (["bop.m"], "did you mean"), ([], "names no parameter"), (["left.hear"], "one of several words")],
+    [(["bar.n"], "no such parameter"), (["bop.m"], "has no `bop.m`"), ([], "names no parameter"), (["left.hear"], "one of several words")],
 )
 def test_what_has_no_derivative_is_refused(wrt: list[str], said: str) -> None:
     with pytest.raises(ca.UsageError, match=said):
