@@ -17,9 +17,9 @@ use std::path::PathBuf;
 /// comments too, stays as it is. Exit code 3 where the model comes no nearer.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
-  ca render hammered_string -o target.wav --no-fade --seconds '700 ms' --set low.f='112 Hz'
+  ca render hammered_string -o target.wav --seconds 0.7 --set low.f='112 Hz' --set hammer.m='5 g'
   ca fit hammered_string --to target.wav --vary low.f,hammer.m --write fitted.ca.toml
-  ca fit hammered_string --to target.wav --vary low.f --range low.f='90 Hz..130 Hz' --renders 30 --json
+  ca fit hammered_string --to target.wav --vary low.f --range low.f='90 Hz..130 Hz' --json
   ca fit fitted.ca.toml --to target.wav --vary low.f,low.t60 --seconds '400 ms' --report fit.html")]
 pub struct FitArgs {
     /// `*.ca.toml` file or name of a bundled model
