@@ -175,7 +175,7 @@ impl Found {
         let counts = |i: &usize| resolved(i) || self.change[*i] > NOTHING;
         let part_off = |i: usize| off(i) / (self.change[i] + largest * self.most[i]);
         let worst = all.clone().filter(changes).filter(counts).map(part_off);
-        // what is no number is as wrong as can be
+        // a non-finite value is as wrong as can be
         let worst = worst.fold(0.0, |most: f64, v| if v <= most { most } else { v });
         let none = |i: usize| !resolved(&i) && self.change[i] <= NOTHING;
         let derivatives = all.map(|i| if none(i) { 0.0 } else { self.high[i] / self.h }).collect();

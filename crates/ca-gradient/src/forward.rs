@@ -55,7 +55,7 @@ impl Forward {
     /// `low.f`, `hammer.v` or the name of a `[param]`, and numbers of lists, such as `ball.v[1]`.
     ///
     /// # Errors
-    /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is no number by
+    /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
     /// which there are derivatives, or the scene has groups at the gesture rate or parameters that ports drive.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };

@@ -40,7 +40,7 @@ impl Parameter {
             return Err(Error::refused(format!("`{name}` is a list; name one of its numbers, e.g. `{name}[0]`")));
         }
         let (value, unit) =
-            number(model, value, unit).ok_or_else(|| Error::refused(format!("`{name}` is no number")))?;
+            number(model, value, unit).ok_or_else(|| Error::refused(format!("`{name}` is not a number")))?;
         Ok(Parameter { name: name.into(), value, unit })
     }
 
@@ -126,7 +126,7 @@ fn place<'m>(
         Type::Count { .. } | Type::Counts { .. } => return no("a whole number"),
         Type::Choice(_) => return no("one of several words"),
         Type::Flag => return no("a flag"),
-        Type::Between | Type::Nodes | Type::Module | Type::File | Type::Text | Type::Midi => return no("no number"),
+        Type::Between | Type::Nodes | Type::Module | Type::File | Type::Text | Type::Midi => return no("not a number"),
     };
     Ok(e.map(|e| (e, unit)))
 }

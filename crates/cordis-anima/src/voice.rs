@@ -1,7 +1,7 @@
 //! Voice: a scene as a part of an audio program: blocks of planar `f32` in and out.
 //!
 //! Decides that a block never fails, allocates, locks or waits: names become handles before it, values out of range go to the end of
-//! the range, a sample that is no number is silence, and so is all that follows once the scene has diverged. Who wants the
+//! the range, a non-finite sample is silence, and so is all that follows once the scene has diverged. Who wants the
 //! ticks themselves, or changes with an answer, uses [`tick`](crate::tick) and [`Controls`] as they are.
 //!
 //! A voice is [`Send`] and belongs to one thread at a time, commonly that of the audio callback; scenes are shared between voices.
@@ -99,7 +99,7 @@ impl Voice {
     }
 
     /// Moves a live parameter to `value` \[SI\], or to the nearest end of its range, over so many samples (0 as 1), and returns
-    /// the value that it goes to. One that is no number, or that the scene cannot be computed with, leaves it as it was.
+    /// the value that it goes to. NaN, or one that the scene cannot be computed with, leaves it as it was.
     pub fn set(&mut self, param: Param, value: f64, over: u32) -> f64 {
         let Some(p) = self.controls.params().get(param.0) else { return f64::NAN };
         let (was, value) = (p.value, value.max(p.min).min(p.max));

@@ -29,12 +29,12 @@ fn a_model_is_fitted_and_written_with_its_comments() {
     let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f,weight"];
     let more = ["--seconds", "0.3", "--write", "found.ca.toml", "--report", "fit.html", "--json"];
     let ran = desk.ca(&[&fit[..], &more].concat()).is(0);
-    let told = ran.json();
-    let value = |k: usize| told["parameters"][k]["value"].as_f64().unwrap();
-    assert!((value(0) / 112.3 - 1.0).abs() < 5e-5, "{told:#}");
-    assert!((value(1) / 0.02 - 1.0).abs() < 0.02, "{told:#}");
-    assert!(told["renders"].as_u64().unwrap() < 60 && told["beyond"]["count"] == 1, "{told:#}");
-    assert!(told["after"]["levels_db"].as_f64() < told["before"]["levels_db"].as_f64());
+    let printed = ran.json();
+    let value = |k: usize| printed["parameters"][k]["value"].as_f64().unwrap();
+    assert!((value(0) / 112.3 - 1.0).abs() < 5e-5, "{printed:#}");
+    assert!((value(1) / 0.02 - 1.0).abs() < 0.02, "{printed:#}");
+    assert!(printed["renders"].as_u64().unwrap() < 60 && printed["beyond"]["count"] == 1, "{printed:#}");
+    assert!(printed["after"]["levels_db"].as_f64() < printed["before"]["levels_db"].as_f64());
     let text = fs::read_to_string(desk.path("found.ca.toml")).unwrap();
     for kept in ["# mine", "unit = \"g\", min = 1, max = 90 }   # of the hammer", "# by frequency", "m = \"weight\""] {
         assert!(text.contains(kept), "{kept}\n{text}");
@@ -132,17 +132,17 @@ fn a_recorded_guitar_is_explained_by_a_string() {
         desk.put("guitar.ca.toml", &guitar(hertz));
         let wav = folder.join(name);
         let fit = ["fit", "guitar.ca.toml", "--to", wav.to_str().unwrap(), "--vary", "low.f,low.b,low.t60,low.z"];
-        let told = desk.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
-        println!("{name}: {told:#}");
-        let b = &told["beyond"];
+        let printed = desk.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
+        println!("{name}: {printed:#}");
+        let b = &printed["beyond"];
         let of = |who: &str, what: &str| b[who][what].as_f64().unwrap();
-        assert!(b["seconds"].as_f64().unwrap() > 1.9 && b["count"] == 2 && told["renders"].as_u64().unwrap() <= 60);
+        assert!(b["seconds"].as_f64().unwrap() > 1.9 && b["count"] == 2 && printed["renders"].as_u64().unwrap() <= 60);
         assert!(of("model", "levels_db") < 0.7 * of("sinusoids", "levels_db"), "{name}: {b:#}");
         if phases {
             assert!(of("model", "samples_db") < of("sinusoids", "samples_db") - 2.0, "{name}: {b:#}");
             assert!(of("model", "samples_db") < -1.0, "{name}: {b:#}");
         }
-        let f = told["parameters"][0]["value"].as_f64().unwrap();
+        let f = printed["parameters"][0]["value"].as_f64().unwrap();
         assert!((1200.0 * (f / heard).log2()).abs() < 5.0, "{name}: {f} Hz");
     }
 }

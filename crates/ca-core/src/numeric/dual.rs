@@ -33,9 +33,9 @@ impl Dual {
     pub const MAX: Dual = Dual::constant(f64::MAX);
     /// The least number above 0 with all its digits.
     pub const MIN_POSITIVE: Dual = Dual::constant(f64::MIN_POSITIVE);
-    /// No number is larger.
+    /// Positive infinity.
     pub const INFINITY: Dual = Dual::constant(f64::INFINITY);
-    /// No number is less.
+    /// Negative infinity.
     pub const NEG_INFINITY: Dual = Dual::constant(f64::NEG_INFINITY);
 
     /// A number that depends on no parameter.
@@ -118,13 +118,13 @@ impl Dual {
         if other.all[0] < self.all[0] || self.all[0].is_nan() { other } else { self }
     }
 
-    /// Neither infinite nor no number; its tangents are not asked.
+    /// True where the value is finite; its tangents are not asked.
     #[inline(always)]
     pub fn is_finite(self) -> bool {
         self.all[0].is_finite()
     }
 
-    /// No number.
+    /// True where the value is NaN.
     #[inline(always)]
     pub fn is_nan(self) -> bool {
         self.all[0].is_nan()

@@ -16,7 +16,7 @@ fn what_has_no_derivative_is_named() {
         ("low.n", "`low.n` is a whole number"),
         ("hit.p", "`hit.p` is an exponent"),
         ("hit.method", "`hit.method` is one of several words"),
-        ("hit.between", "`hit.between` is no number"),
+        ("hit.between", "`hit.between` is not a number"),
         ("bob.w", "`bob.w`: MAS has no such parameter"),
         ("bop.m", "the model has no `bop.m`; did you mean `bob.m`?"),
         ("bob.v[0]", "`bob.v[0]`: `bob.v` is no list"),

@@ -3,7 +3,7 @@
 //! Decides for logarithms of powers in bands of a twenty-fourth of an octave, or of a bin where that is wider: where phases do
 //! not agree this is still smooth, a faint partial counts like a loud one, as it does for an ear, and high bands do not count
 //! more than low ones for being many. Long windows tell frequencies, short ones the onset. What is 60 dB below the loudest of
-//! its window length, or near the noise before the onset, is no longer told apart.
+//! its window length, or near the noise before the onset, is not distinguished.
 
 use super::fourier::Windows;
 use super::loss::{Free, Loss, STRETCHES};
@@ -16,7 +16,7 @@ const WINDOWS: [f64; 3] = [0.02, 0.08, 0.32];
 const BAND: f64 = 1.029_302_236_643_492;
 /// Lowest band \[Hz\].
 const LOWEST: f64 = 30.0;
-/// Below the loudest by this power nothing is told apart.
+/// Below the loudest by this power nothing is distinguished.
 const FLOOR: f64 = 1e-6;
 /// Nor below so many times the noise.
 const NOISE: f64 = 4.0;
@@ -28,7 +28,7 @@ struct Scale {
     begins: Vec<usize>,
     /// first bins of bands, and one past the last
     bands: Vec<usize>,
-    /// powers of a band below which nothing is told apart
+    /// powers of a band below which nothing is distinguished
     floor: Vec<f64>,
     /// powers of the target: channels, windows, bands
     target: Vec<f64>,
@@ -150,7 +150,7 @@ impl Loss for Spectral {
         if let Some(gain) = self.gain {
             return Free { gain, ..free };
         }
-        // the mean of the levels that are told apart, found again with what then is
+        // the mean of the levels that are distinguished, found again with what then is
         let heard = moved(heard, free.delay);
         let powers: Vec<Vec<f64>> = self.scales.iter().map(|s| s.powers(&heard, 0)).collect();
         let whole =

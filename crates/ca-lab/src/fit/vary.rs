@@ -47,7 +47,7 @@ impl Varied {
     /// The number of this name, within its own range and the ones asked for.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where there is none such, it is no number, follows another, or starts out of its range.
+    /// [`Failure::Usage`] where there is none such, it is not a number, follows another, or starts out of its range.
     pub fn of(loaded: &Loaded, name: &str, ranges: &[Range]) -> Result<Varied, Failure> {
         let model = &loaded.model;
         let first = match instances(model, name) {
@@ -141,7 +141,7 @@ fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure
             }
             match quantity::parse(t) {
                 Ok(q) => Ok(Written { value: q.value, unit: if q.has_unit { unit_of(q.dim) } else { String::new() } }),
-                Err(_) => no(format!("is `{}`, which is no number", t.trim())),
+                Err(_) => no(format!("is `{}`, which is not a number", t.trim())),
             }
         }
         _ => no("is no single number".into()),
@@ -181,7 +181,7 @@ fn argument(model: &Model, name: &str) -> Result<(Written, [f64; 2]), Failure> {
         Some((item, key, kind.params.iter().find(|p| p.name == key)?))
     });
     let Some((item, key, known)) = found else {
-        return Err(usage(format!("`{name}` is no number of a module or `[param]`, so it cannot be varied")));
+        return Err(usage(format!("`{name}` is not a number of a module or `[param]`, so it cannot be varied")));
     };
     let Some((bounds, symbol)) = range(known) else {
         return Err(usage(format!("`{name}` is no single number, so it cannot be varied")));
