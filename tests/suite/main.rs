@@ -39,6 +39,7 @@ mod outputs;
 mod oversample;
 mod parts;
 mod parts_apart;
+mod parts_shipped;
 mod peers;
 mod pefrl;
 mod play;

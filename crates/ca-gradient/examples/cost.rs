@@ -10,11 +10,11 @@ use std::time::Instant;
 const SCENES: &[(&str, &str)] = &[
     (
         "a struck string of 40",
-        "[STRING]\nlow = { n = 40, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[8]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[3]', gain = 800 }\n",
+        "[STRING]\nlow = { n = 40, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5.1 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[8]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[3]', gain = 800 }\n",
     ),
     (
         "a mesh of 20 × 20, struck",
-        "[MESH]\nlow = { nx = 20, ny = 20, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[68]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[83]', gain = 800 }\n",
+        "[MESH]\nlow = { nx = 20, ny = 20, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5.1 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[68]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[83]', gain = 800 }\n",
     ),
     (
         "a bowed bar and a clapper",

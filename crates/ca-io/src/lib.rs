@@ -49,6 +49,7 @@ pub mod perform;
 pub mod probe;
 pub mod reading;
 pub mod recording;
+pub mod running;
 pub mod sound;
 
 pub use error::{FileError, FileErrorKind};

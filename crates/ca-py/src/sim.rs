@@ -5,11 +5,7 @@
 
 use crate::error::{failure, usage};
 use crate::wait::Wait;
-use ca_core::live::Controls;
-use ca_core::state::NotRestored;
-use ca_core::{State, compute_forces, integrate};
-use ca_io::perform::DIVERGED;
-use ca_io::sound::Level;
+use ca_io::running::Running;
 use ca_lab::Failure;
 use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
@@ -23,99 +19,16 @@ const BLOCK: usize = 4096;
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Sim {
     scene: Arc<ca_core::Scene>,
-    /// the ports whose forces are reported: input and where its force stands
-    ports: Vec<(usize, PortForce)>,
+    /// inputs whose forces are reported
+    ports: Vec<usize>,
     running: Mutex<Running>,
-}
-
-/// What changes.
-struct Running {
-    state: State,
-    controls: Controls,
-    level: Level,
-    diverged: bool,
-}
-
-/// Where the force on a port stands.
-#[derive(Clone, Copy)]
-enum PortForce {
-    /// a position port, by its MAT
-    Mat(usize),
-    /// a device port, by its border
-    Border(usize),
-}
-
-impl Running {
-    fn new(scene: &ca_core::Scene) -> Running {
-        Running { state: scene.state(), controls: scene.controls(), level: Level::new(scene.channels), diverged: false }
-    }
-
-    /// One sample; its sound is in the state's output.
-    fn sense(&mut self, scene: &ca_core::Scene) {
-        if self.diverged {
-            self.state.output.fill(0.0);
-        } else {
-            compute_forces(scene, &mut self.state);
-        }
-    }
-
-    fn force(&self, port: PortForce) -> f64 {
-        let force = match port {
-            PortForce::Mat(m) => self.state.f[m],
-            PortForce::Border(k) => self.state.border[k].force,
-        };
-        if self.diverged || !force.is_finite() { 0.0 } else { force }
-    }
-
-    /// All of it as bytes: the state, then what stands beside it, eight bytes a number, lowest first.
-    fn to_bytes(&self) -> Vec<u8> {
-        let Level { peak, clipped, beyond, non_finite } = &self.level;
-        let values = self.controls.params().iter().map(|p| p.value).chain(peak.iter().copied()).map(f64::to_bits);
-        let counts = [*clipped, *beyond, *non_finite, u64::from(self.diverged)];
-        let mut bytes = self.state.to_bytes();
-        values.chain(counts).for_each(|v| bytes.extend(v.to_le_bytes()));
-        bytes
-    }
-
-    /// One that goes on from those bytes, or why there is none.
-    fn restored(scene: &ca_core::Scene, bytes: &[u8]) -> Result<Running, String> {
-        let mut running = Running::new(scene);
-        let damaged = || NotRestored::Damaged.to_string();
-        let names: Vec<String> = running.controls.params().iter().map(|p| p.name.clone()).collect();
-        let beside = 8 * (names.len() + running.level.peak.len() + 4);
-        let (state, beside) = bytes.split_at(bytes.len().saturating_sub(beside));
-        running.state.restore(state).map_err(|e| e.to_string())?;
-        let mut words = beside.as_chunks::<8>().0.iter().map(|w| u64::from_le_bytes(*w));
-        let mut next = || words.next().ok_or_else(damaged);
-        for name in &names {
-            // what it does to coefficients is in the state already
-            running.controls.set(name, f64::from_bits(next()?)).map_err(|_| damaged())?;
-        }
-        for peak in &mut running.level.peak {
-            *peak = f64::from_bits(next()?);
-        }
-        let Level { clipped, beyond, non_finite, .. } = &mut running.level;
-        (*clipped, *beyond, *non_finite) = (next()?, next()?, next()?);
-        running.diverged = next()? != 0;
-        Ok(running)
-    }
-
-    fn advance(&mut self, scene: &ca_core::Scene) {
-        if !self.diverged {
-            integrate(scene, &mut self.state);
-            self.diverged = self.state.tick.is_multiple_of(64) && !self.state.is_bounded(DIVERGED);
-        }
-    }
 }
 
 impl Sim {
     /// From the beginning.
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
-        let positions = scene.enx.iter().map(|p| (p.input as usize, PortForce::Mat(p.mat as usize)));
-        let devices = scene.tgr.iter().enumerate().map(|(k, p)| (p.input as usize, PortForce::Border(k)));
-        let mut ports: Vec<_> = positions.chain(devices).collect();
-        ports.sort_by_key(|(input, _)| *input);
-        let running = Mutex::new(Running::new(&scene));
+        let running = Running::new(&scene);
+        let (ports, running) = (running.felt(), Mutex::new(running));
         Sim { scene, ports, running }
     }
 
@@ -130,7 +43,7 @@ impl Sim {
     /// Names of the ports whose forces are reported.
     #[getter]
     fn ports(&self) -> Vec<&str> {
-        self.ports.iter().map(|(input, _)| self.scene.inputs[*input].name.as_str()).collect()
+        self.ports.iter().map(|input| self.scene.inputs[*input].name.as_str()).collect()
     }
 
     /// Samples so far.
@@ -201,8 +114,8 @@ impl Sim {
                     probes.row_mut(i).iter_mut().zip(&r.state.output[channels..]).for_each(|(to, v)| *to = *v);
                 }
                 if let Some(forces) = &mut forces {
-                    for (to, (_, f)) in forces.row_mut(i).iter_mut().zip(ports) {
-                        *to = r.force(*f);
+                    for (to, input) in forces.row_mut(i).iter_mut().zip(ports) {
+                        *to = r.force(*input);
                     }
                 }
                 r.advance(scene);
@@ -241,8 +154,7 @@ impl Sim {
 
     /// Goes on from such bytes of the same scene.
     fn restore(&self, py: Python, bytes: &[u8]) -> PyResult<()> {
-        let done = self.with(py, |r| Running::restored(&self.scene, bytes).map(|restored| *r = restored));
-        done.map_err(|why| failure(py, Failure::Usage(why)))
+        self.with(py, |r| r.restore(&self.scene, bytes)).map_err(|why| failure(py, Failure::Usage(why.to_string())))
     }
 
     /// What every input is given at present.

@@ -30,4 +30,4 @@ pub use plot::{Axis, Curve, Grid, Image, Look, Mark, Plot, Point};
 pub use report::{Block, Picture, Report, Section, Table, Weight};
 pub use sound::{CHANNELS, KEPT, Sound};
 pub use spectrogram::spectrogram;
-pub use spectrum::{LOWEST, Spectrum};
+pub use spectrum::{Hann, LOWEST, Spectrum};

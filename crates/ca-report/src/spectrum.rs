@@ -18,39 +18,54 @@ pub const LOWEST: f64 = 20.0;
 /// How far below the loudest is shown \[dB\].
 const DEPTH: f64 = 120.0;
 
-/// A window of Hann and its transform.
-pub(crate) struct Hann {
+/// A Hann window and its transform.
+pub struct Hann {
     window: Vec<f64>,
+    size: usize,
     fft: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
     input: Vec<f64>,
     output: Vec<realfft::num_complex::Complex<f64>>,
-    scale: f64,
 }
 
 impl Hann {
     /// Of `n` samples, on a transform of `size` samples, at least as many.
-    pub(crate) fn new(n: usize, size: usize) -> Hann {
+    pub fn new(n: usize, size: usize) -> Hann {
         let turn = std::f64::consts::TAU / n.max(1) as f64;
-        let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (turn * (i as f64 + 0.5)).cos()).collect();
+        // so scaled that a sine of amplitude A has a quarter of A² at its bin
+        let window = (0..n).map(|i| (1.0 - libm::cos(turn * (i as f64 + 0.5))) / n as f64).collect();
         let fft = RealFftPlanner::new().plan_fft_forward(size);
         let (input, output) = (fft.make_input_vec(), fft.make_output_vec());
-        let scale = 2.0 / window.iter().sum::<f64>();
-        Hann { window, fft, input, output, scale }
+        Hann { window, size, fft, input, output }
+    }
+
+    /// Samples of the window.
+    pub fn length(&self) -> usize {
+        self.window.len()
+    }
+
+    /// Samples of the transform.
+    pub fn size(&self) -> usize {
+        self.size
     }
 
     /// Adds the power of each bin to `power`; a sine of amplitude A has A² at its bin. The window begins at `start`,
     /// which may lie before the sound; what is missing is silence.
-    pub(crate) fn add(&mut self, sound: &[f64], start: isize, power: &mut [f64]) {
+    pub fn add(&mut self, sound: &[f64], start: isize, power: &mut [f64]) {
+        let (missing, first) = (start.min(0).unsigned_abs(), start.max(0).unsigned_abs());
+        let there = sound.get(first..).unwrap_or_default();
         self.input.fill(0.0);
-        for (i, w) in self.window.iter().enumerate() {
-            let at = start + i as isize;
-            self.input[i] = usize::try_from(at).ok().and_then(|at| sound.get(at)).map_or(0.0, |x| w * x);
-        }
+        let from = self.input.iter_mut().zip(&self.window).skip(missing);
+        from.zip(there).for_each(|((to, w), x)| *to = w * x);
         let done = self.fft.process(&mut self.input, &mut self.output);
         debug_assert!(done.is_ok(), "the buffers are its own");
-        for (p, c) in power.iter_mut().zip(&self.output) {
-            *p += c.norm_sqr() * self.scale * self.scale;
-        }
+        power.iter_mut().zip(&self.output).for_each(|(p, c)| *p += 4.0 * c.norm_sqr());
+    }
+
+    /// The power of each bin of the window from sample `start` on, in place of what `power` held.
+    pub fn powers(&mut self, sound: &[f64], start: usize, power: &mut Vec<f64>) {
+        power.clear();
+        power.resize(self.size / 2 + 1, 0.0);
+        self.add(sound, isize::try_from(start).unwrap_or(isize::MAX), power);
     }
 }
 

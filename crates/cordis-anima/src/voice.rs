@@ -2,24 +2,20 @@
 //!
 //! Decides that a block never fails, allocates, locks or waits: names become handles before it, values out of range go to the end of
 //! the range, a non-finite sample is silence, and so is all that follows once the scene has diverged. Who wants the
-//! ticks themselves, or changes with an answer, uses [`tick`](crate::tick) and [`Controls`] as they are.
+//! ticks themselves, or changes with an answer, uses [`tick`](crate::tick) and [`Scene::controls`](crate::Scene::controls).
 //!
 //! A voice is [`Send`] and belongs to one thread at a time, commonly that of the audio callback; scenes are shared between voices.
 //! [`Voice::new`] allocates all there is and may take long; [`Voice::set`] computes the coefficients that follow from a parameter,
 //! those of a whole string for its pitch. Where that is too much for a callback, another thread computes them with
 //! [`Scene::controls`](crate::Scene::controls) and sends the patch, which [`Voice::apply`] takes at no cost.
 
-use ca_core::live::{Controls, LiveParam, Patch};
-use ca_core::numeric::wide;
+use ca_core::live::{LiveParam, Patch};
 use ca_core::scene::InputRole;
 use ca_core::state::NotRestored;
-use ca_core::{Scene, State, compute_forces, integrate};
-use ca_io::perform::DIVERGED;
+use ca_core::{Scene, State};
+use ca_io::running::Running;
 use ca_io::sound::Level;
 use std::sync::Arc;
-
-/// Samples between two looks at whether it has diverged.
-const LOOK: u64 = 64;
 
 /// A live parameter of a scene; see [`Voice::param`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,48 +25,36 @@ pub struct Param(usize);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Port(usize);
 
-/// Where the force on a port stands.
-#[derive(Clone, Copy, Debug)]
-enum PortForce {
-    /// that on its MAT
-    Mat(usize),
-    /// that of the last frame of a device
-    Border(usize),
-    /// it gives one, and feels none
-    None,
-}
-
 /// A scene that plays.
 pub struct Voice {
     scene: Arc<Scene>,
-    state: State,
-    controls: Controls,
+    running: Running,
     patch: Patch,
-    /// of each input
-    forces: Vec<PortForce>,
-    /// that force at the last sample \[N\]
+    /// of each input, the force on its port at the last sample \[N\]
     felt: Vec<f64>,
-    level: Level,
-    diverged: bool,
 }
 
 impl Voice {
     /// A voice at the beginning: no port is driven, and the scene's own gesture is not played.
     pub fn new(scene: Arc<Scene>) -> Voice {
-        let mut forces = vec![PortForce::None; scene.inputs.len()];
-        scene.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
-        scene.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
-        let mut controls = scene.controls();
-        let mut patch = Patch::default();
-        // the first change makes room for all others
+        let mut voice = Voice {
+            running: Running::new(&scene),
+            patch: Patch::default(),
+            felt: vec![0.0; scene.inputs.len()],
+            scene,
+        };
+        voice.warm();
+        voice
+    }
+
+    /// The first change makes room for all others: each parameter goes where it is.
+    fn warm(&mut self) {
+        let controls = &mut self.running.controls;
         for p in 0..controls.params().len() {
             let value = controls.params()[p].value;
-            // at its value at load, which is in range
-            let _ = controls.turn(p, value, &mut patch);
+            // in range, since it is there
+            let _ = controls.turn(p, value, &mut self.patch);
         }
-        let level = Level::new(scene.channels);
-        let felt = vec![0.0; forces.len()];
-        Voice { state: scene.state(), controls, patch, forces, felt, level, diverged: false, scene }
     }
 
     /// What it plays.
@@ -80,7 +64,7 @@ impl Voice {
 
     /// Live parameters, with their present values, units and ranges.
     pub fn params(&self) -> &[LiveParam] {
-        self.controls.params()
+        self.running.controls.params()
     }
 
     /// The live parameter called so.
@@ -101,24 +85,24 @@ impl Voice {
     /// Moves a live parameter to `value` \[SI\], or to the nearest end of its range, over so many samples (0 as 1), and returns
     /// the value that it goes to. NaN, or one that the scene cannot be computed with, leaves it as it was.
     pub fn set(&mut self, param: Param, value: f64, over: u32) -> f64 {
-        let Some(p) = self.controls.params().get(param.0) else { return f64::NAN };
+        let Some(p) = self.running.controls.params().get(param.0) else { return f64::NAN };
         let (was, value) = (p.value, value.max(p.min).min(p.max));
-        if value.is_nan() || self.controls.turn(param.0, value, &mut self.patch).is_err() {
+        if value.is_nan() || self.running.controls.turn(param.0, value, &mut self.patch).is_err() {
             return was;
         }
-        self.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
+        self.running.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
         value
     }
 
     /// Takes a change that another thread computed, over so many samples; false where it is of another scene. What
     /// [`Voice::params`] says does not follow.
     pub fn apply(&mut self, patch: &Patch, over: u32) -> bool {
-        self.state.apply(patch, over.saturating_mul(self.scene.oversample()))
+        self.running.state.apply(patch, over.saturating_mul(self.scene.oversample()))
     }
 
     /// Gives a port a value that stays: absolute position \[m\], or force \[N\].
     pub fn hold(&mut self, port: Port, value: f64) {
-        if let Some(input) = self.state.input.get_mut(port.0) {
+        if let Some(input) = self.running.state.input.get_mut(port.0) {
             *input = value;
         }
     }
@@ -130,24 +114,19 @@ impl Voice {
         let n = out.iter().map(|channel| channel.len()).min().unwrap_or(0);
         for i in 0..n {
             for (port, samples) in inputs {
-                if let (Some(v), Some(input)) = (samples.get(i), self.state.input.get_mut(port.0)) {
+                if let (Some(v), Some(input)) = (samples.get(i), self.running.state.input.get_mut(port.0)) {
                     *input = f64::from(*v);
                 }
             }
-            if !self.diverged {
-                compute_forces(&self.scene, &mut self.state);
-            }
+            self.running.sense(&self.scene);
             if i + 1 == n {
-                self.feel();
+                self.felt.iter_mut().enumerate().for_each(|(k, felt)| *felt = self.running.force(k));
             }
+            let Running { state, level, .. } = &mut self.running;
             for (k, channel) in out.iter_mut().enumerate() {
-                let sounds = !self.diverged && k < self.scene.channels;
-                channel[i] = if sounds { self.level.keep(k, self.state.output[k]) as f32 } else { 0.0 };
+                channel[i] = if k < self.scene.channels { level.keep(k, state.output[k]) as f32 } else { 0.0 };
             }
-            if !self.diverged {
-                integrate(&self.scene, &mut self.state);
-                self.diverged = self.state.tick.is_multiple_of(LOOK) && !self.state.is_bounded(DIVERGED);
-            }
+            self.running.advance(&self.scene);
         }
     }
 
@@ -157,26 +136,14 @@ impl Voice {
         self.felt.get(port.0).copied().unwrap_or(0.0)
     }
 
-    /// Keeps the forces on all ports, before any mass moves.
-    fn feel(&mut self) {
-        for (felt, at) in self.felt.iter_mut().zip(&self.forces) {
-            let force = match at {
-                PortForce::Mat(m) => wide(self.state.f[*m]),
-                PortForce::Border(k) => self.state.border[*k].force,
-                PortForce::None => 0.0,
-            };
-            *felt = if self.diverged || !force.is_finite() { 0.0 } else { force };
-        }
-    }
-
     /// How loud it was, and how much was cut off.
     pub fn level(&self) -> &Level {
-        &self.level
+        &self.running.level
     }
 
     /// True once it has diverged: silent from there on.
     pub fn has_diverged(&self) -> bool {
-        self.diverged
+        self.running.diverged
     }
 
     /// Back to the beginning, live parameters too.
@@ -184,18 +151,23 @@ impl Voice {
         *self = Voice::new(self.scene.clone());
     }
 
-    /// How it stands; [`State::to_bytes`] makes a snapshot of it.
+    /// How it stands.
     pub fn state(&self) -> &State {
-        &self.state
+        &self.running.state
     }
 
-    /// Goes on from a snapshot of the same scene; allocates. Live parameters sound as they did there; what [`Voice::params`] says stays.
+    /// All that decides its future as bytes, live parameters with it; allocates.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.running.to_bytes()
+    }
+
+    /// Goes on from such bytes of the same scene; allocates.
     ///
     /// # Errors
     /// [`NotRestored`], and nothing has changed.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotRestored> {
-        self.state.restore(bytes)?;
-        self.diverged = !self.state.is_bounded(DIVERGED);
+        self.running.restore(&self.scene, bytes)?;
+        self.warm();
         Ok(())
     }
 }

@@ -107,11 +107,14 @@ fn a_voice_goes_on_from_a_snapshot_in_another_thread() {
     voice.hold(hand, 2e-3);
     let mut out = vec![0.0_f32; 500];
     voice.process(&[], &mut [&mut out]);
-    let bytes = voice.state().to_bytes();
+    let grip = voice.param("grip").expect("a live parameter");
+    voice.set(grip, 3000.0, 64);
+    let bytes = voice.to_bytes();
     voice.process(&[], &mut [&mut out]);
     let mut other = Voice::new(scene);
     let theirs = std::thread::spawn(move || {
         other.restore(&bytes).expect("a snapshot of this scene");
+        assert_eq!(other.params()[0].value, 3000.0);
         let mut out = vec![0.0_f32; 500];
         other.process(&[], &mut [&mut out]);
         assert!(other.restore(b"nothing").is_err());

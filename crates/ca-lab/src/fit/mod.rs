@@ -9,7 +9,6 @@
 //! time by stretch of time: a recording differs from a model by what hangs together over milliseconds, and a count of samples
 //! would promise digits that nobody can have.
 
-mod fourier;
 mod loss;
 mod modal;
 mod normal;

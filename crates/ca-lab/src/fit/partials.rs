@@ -3,8 +3,9 @@
 //! Decides for peaks of a padded spectrum and lines through their levels over time, not for a subspace method: this only has to
 //! bring the search so near that phases do not slip, and peaks tell by themselves what stands above the noise.
 
-use super::fourier::Windows;
 use super::target::{Samples, mixed};
+use crate::pitch::{apex, fall};
+use ca_report::Hann;
 
 /// Longest window \[s\].
 const WINDOW: f64 = 0.7;
@@ -36,7 +37,7 @@ pub(super) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
     let sound = one.first().and_then(|c| c.get(from..)).unwrap_or(&[]);
     let longest = (sound.len() / 2).min((WINDOW * rate) as usize).max(64);
     let length = (longest + 1).next_power_of_two() / 2;
-    let mut windows = Windows::new(length, PADDED * length);
+    let mut windows = Hann::new(length, PADDED * length);
     let (hop, last) = (length / 4, sound.len().saturating_sub(length));
     let frames: Vec<Vec<f64>> = (0..=last / hop.max(1))
         .map(|i| {
@@ -45,9 +46,9 @@ pub(super) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
             powers
         })
         .collect();
-    let n = windows.size / 2 + 1;
+    let n = windows.size() / 2 + 1;
     let mean: Vec<f64> = (0..n).map(|k| frames.iter().map(|f| f[k]).sum::<f64>() / frames.len() as f64).collect();
-    let step = rate / windows.size as f64;
+    let step = rate / windows.size() as f64;
     let top = mean.iter().skip((LOWEST / step) as usize).copied().fold(0.0, f64::max);
     // the lobe of a window is four bins wide before it is padded
     let lobe = 2 * PADDED;
@@ -65,12 +66,9 @@ pub(super) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
         if here < near[near.len() / 4] * 10f64.powf(ABOVE / 10.0) {
             continue;
         }
-        let [l, m, r] = [k - 1, k, k + 1].map(|i| libm::log(mean[i].max(f64::MIN_POSITIVE)));
-        let bend = l - 2.0 * m + r;
-        let shift = if bend < 0.0 { 0.5 * (l - r) / bend } else { 0.0 };
         let levels: Vec<f64> = frames.iter().map(|f| f[k - 2..=k + 2].iter().sum::<f64>()).collect();
         found.push(Partial {
-            f: (k as f64 + shift) * step,
+            f: apex(&mean, k) * step,
             level: 10.0 * libm::log10(here / top),
             t60: t60(&levels, hop as f64 / rate),
         });
@@ -83,15 +81,7 @@ pub(super) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
 /// By the line through levels from the loudest on, down to 40 dB below it.
 fn t60(powers: &[f64], step: f64) -> Option<f64> {
     let levels: Vec<f64> = powers.iter().map(|p| 10.0 * libm::log10(p.max(f64::MIN_POSITIVE))).collect();
-    let (at, top) = levels.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let points: Vec<(f64, f64)> =
-        levels[at..].iter().take_while(|l| **l > top - 40.0).enumerate().map(|(i, l)| (i as f64 * step, *l)).collect();
-    if points.len() < 3 {
-        return None;
-    }
-    let n = points.len() as f64;
-    let (mx, my) = (points.iter().map(|p| p.0).sum::<f64>() / n, points.iter().map(|p| p.1).sum::<f64>() / n);
-    let over: f64 = points.iter().map(|p| (p.0 - mx).powi(2)).sum();
-    let slope = points.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>() / over;
-    (slope < -0.1).then_some(-60.0 / slope)
+    let (slope, points) = fall(&levels, 40.0)?;
+    let slope = slope / step;
+    (points >= 3 && slope < -0.1).then_some(-60.0 / slope)
 }

@@ -4,9 +4,9 @@
 //! each, frequency, decay, amplitude and phase. Where there are several channels each has amplitudes and phases of its own, which
 //! favours the sinusoids.
 
-use super::fourier::Windows;
 use super::normal::{Normal, dot};
 use super::target::Samples;
+use ca_report::Hann;
 
 /// Starts of a decay: times to fall by 60 dB \[s\].
 const STARTS: [f64; 4] = [0.1, 0.4, 1.5, 6.0];
@@ -61,17 +61,14 @@ fn lefts(shapes: &[Shape], sound: &Samples) -> Samples {
 /// Where the strongest of what is left turns, per sample.
 fn strongest(left: &Samples, rate: f64) -> f64 {
     let n = left.first().map_or(0, Vec::len).min((WINDOW * rate) as usize).max(64);
-    let mut windows = Windows::new(n, 4 * n.next_power_of_two());
-    let mut whole: Vec<f64> = Vec::new();
-    let mut powers = Vec::new();
+    let mut windows = Hann::new(n, 4 * n.next_power_of_two());
+    let mut whole = vec![0.0; windows.size() / 2 + 1];
     for c in left {
-        windows.powers(c, 0, &mut powers);
-        whole.resize(powers.len(), 0.0);
-        whole.iter_mut().zip(&powers).for_each(|(w, p)| *w += p);
+        windows.add(c, 0, &mut whole);
     }
-    let lowest = (25.0 / rate * windows.size as f64) as usize;
+    let lowest = (25.0 / rate * windows.size() as f64) as usize;
     let at = (lowest..whole.len()).max_by(|a, b| whole[*a].total_cmp(&whole[*b])).unwrap_or(lowest);
-    std::f64::consts::TAU * at as f64 / windows.size as f64
+    std::f64::consts::TAU * at as f64 / windows.size() as f64
 }
 
 /// All shapes together, by steps of least squares.

@@ -5,9 +5,9 @@
 //! more than low ones for being many. Long windows tell frequencies, short ones the onset. What is 60 dB below the loudest of
 //! its window length, or near the noise before the onset, is not distinguished.
 
-use super::fourier::Windows;
 use super::loss::{Free, Loss, STRETCHES};
 use super::target::{Samples, Target};
+use ca_report::Hann;
 use std::cell::RefCell;
 
 /// Lengths of windows \[s\].
@@ -23,7 +23,7 @@ const NOISE: f64 = 4.0;
 
 /// Levels of one window length.
 struct Scale {
-    windows: RefCell<Windows>,
+    windows: RefCell<Hann>,
     /// where windows begin
     begins: Vec<usize>,
     /// first bins of bands, and one past the last
@@ -43,12 +43,12 @@ pub(super) struct Spectral {
 }
 
 impl Scale {
-    fn powers(&self, sound: &Samples, delay: usize) -> Vec<f64> {
+    fn powers(&self, sound: &Samples) -> Vec<f64> {
         let (mut all, mut powers) = (Vec::new(), Vec::new());
         let mut windows = self.windows.borrow_mut();
         for channel in sound {
             for begin in &self.begins {
-                windows.powers(channel, begin + delay, &mut powers);
+                windows.powers(channel, *begin, &mut powers);
                 let bands = self.bands.windows(2).map(|b| powers[b[0]..b[1]].iter().sum::<f64>());
                 all.extend(bands);
             }
@@ -63,11 +63,11 @@ impl Scale {
         let mut all: Vec<Vec<f64>> = vec![Vec::new(); bands];
         for channel in quiet {
             let mut begin = 0;
-            while begin + windows.length <= channel.len() {
+            while begin + windows.length() <= channel.len() {
                 windows.powers(channel, begin, &mut powers);
                 let sums = self.bands.windows(2).map(|b| powers[b[0]..b[1]].iter().sum::<f64>());
                 all.iter_mut().zip(sums).for_each(|(a, p)| a.push(p));
-                begin += windows.length / 2;
+                begin += windows.length() / 2;
             }
         }
         let median = |mut list: Vec<f64>| {
@@ -92,7 +92,7 @@ impl Spectral {
             if length < 16 || 2 * length > until - from && seconds > WINDOWS[0] {
                 return None;
             }
-            let windows = Windows::new(length, length);
+            let windows = Hann::new(length, length);
             let step = target.rate / length as f64;
             let mut bands = vec![((LOWEST / step) as usize).max(1)];
             while let Some(last) = bands.last().copied().filter(|b| *b < length / 2) {
@@ -101,7 +101,7 @@ impl Spectral {
             let begins = (from..(until - length.min(until - from)).max(from + 1)).step_by(length / 2).collect();
             let mut scale =
                 Scale { windows: RefCell::new(windows), begins, bands, floor: Vec::new(), target: Vec::new() };
-            scale.target = scale.powers(&samples, 0);
+            scale.target = scale.powers(&samples);
             let floor = FLOOR * scale.target.iter().copied().fold(0.0, f64::max);
             scale.floor = scale.noise(&target.quiet).iter().map(|n| (NOISE * n).max(floor)).collect();
             (floor > 0.0).then_some(scale)
@@ -137,7 +137,7 @@ impl Loss for Spectral {
         let square = free.gain * free.gain;
         let mut all = Vec::new();
         for scale in &self.scales {
-            let powers = scale.powers(&heard, 0);
+            let powers = scale.powers(&heard);
             // each length of windows counts alike
             let w = 1.0 / libm::sqrt(powers.len() as f64);
             let one = |((p, t), floor): ((&f64, &f64), &f64)| w * libm::log((square * p + floor) / (t + floor));
@@ -152,7 +152,7 @@ impl Loss for Spectral {
         }
         // the mean of the levels that are distinguished, found again with what then is
         let heard = moved(heard, free.delay);
-        let powers: Vec<Vec<f64>> = self.scales.iter().map(|s| s.powers(&heard, 0)).collect();
+        let powers: Vec<Vec<f64>> = self.scales.iter().map(|s| s.powers(&heard)).collect();
         let whole =
             |of: &dyn Fn(&Scale, usize) -> f64| -> f64 { self.scales.iter().enumerate().map(|(i, s)| of(s, i)).sum() };
         let (t, p) = (whole(&|s, _| s.target.iter().sum()), whole(&|_, i| powers[i].iter().sum()));

@@ -1,6 +1,6 @@
 //! What a run sounded like, in a few numbers.
 
-use crate::pitch::{partial, spectrum};
+use crate::pitch::{fall, partial, spectrum};
 use ca_model::quantity::six;
 
 /// Samples whose power is one point of the decay.
@@ -42,19 +42,10 @@ fn t60(samples: &[f32], channels: usize, rate: f64) -> Option<f64> {
     let blocks = samples.chunks_exact(BLOCK * channels);
     let level = |b: &[f32]| 10.0 * libm::log10(b.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>());
     let levels: Vec<f64> = blocks.map(level).collect();
-    let (loudest, top) = levels.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let tail = levels[loudest..].iter().take_while(|l| **l > top - DEPTH);
-    let points: Vec<(f64, f64)> = tail.enumerate().map(|(k, l)| (k as f64, *l)).collect();
-    if points.len() < 4 {
-        return None;
-    }
-    let n = points.len() as f64;
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (mx, my) = (mean(&|p| p.0), mean(&|p| p.1));
-    let slope = mean(&|p| (p.0 - mx) * (p.1 - my)) / mean(&|p| (p.0 - mx).powi(2));
+    let (slope, points) = fall(&levels, DEPTH)?;
     let seconds = -DEPTH / slope * BLOCK as f64 / rate;
     // what falls by less than a hundredth of a decibel over the whole sound does not decay
-    (slope * n < -0.01).then_some(seconds)
+    (points >= 4 && slope * (points as f64) < -0.01).then_some(seconds)
 }
 
 #[cfg(test)]

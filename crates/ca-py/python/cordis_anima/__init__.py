@@ -18,13 +18,15 @@ from typing import NamedTuple
 from . import _core, examples
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._fit import Beyond, Distance, Fit, Fitted, fit
+from ._gestures import Curve, Gesture
 from ._gradient import Gradient, Tangents
 from ._linear import Linear, Rollout
+from ._measured import Progress
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
-from ._scene import Curve, Gesture, Progress, Scene
+from ._scene import Scene
 from ._sim import Block, Inputs, Sim, Snapshot
 from ._sweep import Range, Sweep, sweep
 from ._take import Fault, Hand, Take, Verdict, record

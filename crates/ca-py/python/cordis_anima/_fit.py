@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from ._errors import UsageError
 from ._results import length
-from ._scene import Gesture, Path, Progress, Scene
+from ._gestures import Gesture, Path, made
+from ._measured import Progress
+from ._scene import Scene
 
 
 class Distance(NamedTuple):
@@ -139,7 +141,7 @@ def fit(
         seconds=None if seconds is None else length(seconds),
         gain=gain,
         renders=renders,
-        gesture=scene._gesture(gesture),
+        gesture=made(scene._compiled, gesture),
         report=report,
         progress=progress,
     )

@@ -10,7 +10,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import UsageError
-from ._results import Floats
+from ._gestures import Gesture, made
+from ._results import Floats, length
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
@@ -90,28 +91,82 @@ def _about(forward: _core.Forward) -> tuple[tuple[str, ...], Floats, tuple[str, 
     return tuple(p[0] for p in all), np.array([p[1] for p in all], float), tuple(p[2] for p in all)
 
 
-def tangents(forward: _core.Forward, seconds: float | None, gesture: _core.Gesture | None, sr: int) -> Tangents:
-    audio, all = forward.tangents(seconds, gesture)
-    names, values, units = _about(forward)
-    return Tangents(audio=audio, tangents=all, wrt=names, values=values, units=units, sr=sr)
+class Derivatives:
+    """The part of `Scene` that has derivatives."""
 
+    __slots__ = ()
+    _compiled: _core.Scene
 
-def gradient(
-    forward: _core.Forward,
-    seconds: float | None,
-    gesture: _core.Gesture | None,
-    cotangent: npt.ArrayLike | None,
-    loss: Loss | None,
-) -> Gradient:
-    value = None
-    if loss is not None:
-        audio = forward.audio(seconds, gesture)
-        value, of = loss(audio)
-        given = _cotangent(of, audio.shape)
-    elif cotangent is not None:
-        given = _cotangent(cotangent, None)
-    else:
-        raise UsageError("a gradient is that of a `loss`, or goes by a `cotangent`; `tangents` has all derivatives")
-    names, values, units = _about(forward)
-    found = forward.gradient(given, gesture)
-    return Gradient(loss=None if value is None else float(value), gradient=found, wrt=names, values=values, units=units)
+    def tangents(
+        self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None
+    ) -> Tangents:
+        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences.
+
+        Args:
+            wrt: names as `replace` takes them, e.g. ``"low.f"``, ``"hammer.v"``, and numbers of lists, e.g. ``"ball.v[1]"``.
+            seconds: as for `render`.
+            gesture: as for `render`; it drives ports.
+
+        Raises:
+            UsageError: no such name; a whole number, a word or a flag, by which there are no derivatives; a parameter that changes
+                what is built; groups at the gesture rate; parameters that ports or gestures drive; a scene that diverges.
+
+        >>> import cordis_anima as ca
+        >>> t = ca.examples.string().tangents(["hammer.v", "low.f"], 0.1)
+        >>> t.audio.shape, t.tangents.shape, t["low.f"].shape, t.units
+        ((4800, 1), (4800, 1, 2), (4800, 1), ('m/s', 'Hz'))
+        """
+        seconds = None if seconds is None else length(seconds)
+        forward, about = self._forward(wrt), self._compiled.about()
+        audio, all = forward.tangents(seconds, made(self._compiled, gesture))
+        names, values, units = _about(forward)
+        return Tangents(audio=audio, tangents=all, wrt=names, values=values, units=units, sr=round(about["rate"]))
+
+    def gradient(
+        self,
+        wrt: Sequence[str],
+        *,
+        loss: Loss | None = None,
+        cotangent: npt.ArrayLike | None = None,
+        seconds: float | str | None = None,
+        gesture: Gesture = None,
+    ) -> Gradient:
+        """The gradient of a loss of its sound, without memory for the derivatives of samples.
+
+        Args:
+            wrt: as for `tangents`.
+            loss: called with the sound (frames, channels) in double precision; gives the loss, and its derivatives by each sample.
+            cotangent: these derivatives (frames, channels), where there is no loss to call; it says how long is played.
+            seconds: as for `render`, with a loss.
+            gesture: as for `tangents`.
+
+        Raises:
+            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape.
+
+        >>> import cordis_anima as ca
+        >>> g = ca.examples.string().gradient(["hammer.v"], loss=lambda y: ((y**2).sum(), 2 * y), seconds=0.1)
+        >>> g.loss > 0, g["hammer.v"] > 0
+        (True, True)
+        """
+        if cotangent is not None and (loss is not None or seconds is not None):
+            raise UsageError("a cotangent says how long is played, and of which loss it is")
+        seconds = None if seconds is None else length(seconds)
+        forward, driven = self._forward(wrt), made(self._compiled, gesture)
+        value = None
+        if loss is not None:
+            audio = forward.audio(seconds, driven)
+            value, of = loss(audio)
+            given = _cotangent(of, audio.shape)
+        elif cotangent is not None:
+            given = _cotangent(cotangent, None)
+        else:
+            raise UsageError("a gradient is that of a `loss`, or goes by a `cotangent`; `tangents` has all derivatives")
+        names, values, units = _about(forward)
+        found = forward.gradient(given, driven)
+        return Gradient(None if value is None else float(value), gradient=found, wrt=names, values=values, units=units)
+
+    def _forward(self, wrt: Sequence[str]) -> _core.Forward:
+        names = [wrt] if isinstance(wrt, str) else list(wrt)
+        if not names:
+            raise UsageError("`wrt` names no parameter")
+        return self._compiled.forward(names)

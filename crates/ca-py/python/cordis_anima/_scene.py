@@ -2,39 +2,31 @@
 
 from __future__ import annotations
 
-import os
-import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Literal, Union
+from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
-from . import _core, _gradient, _html
+from . import _core, _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
-from ._linear import Linear, Rollout
-from ._gradient import Gradient, Loss, Tangents
+from ._gestures import Gesture, Path, made
+from ._gradient import Derivatives
+from ._linear import Rollout
+from ._measured import Measured, Progress
+from ._probes import chosen, columns
 from ._render import Params, Render
-from ._results import Accuracy, Certificate, Floats, Modes, Param, Port, Status, length, number, reals, value
+from ._results import Certificate, Param, Port, Status, length, number, value
 from ._results import energy as _energy
 from ._play import Playing
 from ._sim import Sim
 from ._view import View
 
-#: called with what is done and how much there is; an exception ends the call
-Progress = Callable[[int, int], object]
-Path = Union[str, "os.PathLike[str]"]
-#: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
-#: the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
-Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
-#: curves by what they drive, or a file whose tracks are called by it
-Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
 #: kinds that are heard as a force
 _FORCES = {"SOF", *(code for code, _, _, family, _ in _core.kinds() if family == "LIA")}
 
 
-class Scene:
+class Scene(Measured, Derivatives):
     """A compiled model, ready to be played. It never changes: `replace` makes another.
 
     Scenes are equal where the same values are written in the same order, whatever comments, blanks and names of files;
@@ -227,10 +219,8 @@ class Scene:
         if on_unstable not in ("keep", "raise"):
             raise UsageError(f"on_unstable = {on_unstable!r}: \"keep\" or \"raise\"")
         probes = [probes] if isinstance(probes, str) else list(probes)
-        core = self._compiled
-        if probes or energy:
-            core = self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
-        raw = core.render(seconds, self._gesture(gesture), progress)
+        core = self._listening(probes, energy)
+        raw = core.render(seconds, made(self._compiled, gesture), progress)
         about = core.about()
         failed, message = None, ""
         if raw["broke"] is not None:
@@ -251,14 +241,14 @@ class Scene:
             message = "; ".join(reported)
         elif raw["refused"]:
             status, message = "refused", f"{raw['refused']} inputs had no value"
-        heard, names = _probes(raw, probes)
+        places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
             audio=raw["audio"],
             sr=round(about["rate"]),
             seconds=len(raw["audio"]) / about["rate"],
             channels=tuple(about["channels"]),
-            probes=heard,
-            columns=names,
+            probes=chosen(raw["probes"], places),
+            columns={selector: tuple(names[c] for c in of) for selector, of in places.items()},
             units={selector: self._unit(selector) for selector in probes},
             energy=_energy(raw["energy"]) if "energy" in raw else None,
             status=status,
@@ -271,108 +261,12 @@ class Scene:
             run_time=raw["run_time"],
         )
 
-    # its derivatives
-
-    def tangents(
-        self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None
-    ) -> Tangents:
-        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences.
-
-        Args:
-            wrt: names as `replace` takes them, e.g. ``"low.f"``, ``"hammer.v"``, and numbers of lists, e.g. ``"ball.v[1]"``.
-            seconds: as for `render`.
-            gesture: as for `render`; it drives ports.
-
-        Raises:
-            UsageError: no such name; a whole number, a word or a flag, by which there are no derivatives; a parameter that changes
-                what is built; groups at the gesture rate; parameters that ports or gestures drive; a scene that diverges.
-
-        >>> import cordis_anima as ca
-        >>> t = ca.examples.string().tangents(["hammer.v", "low.f"], 0.1)
-        >>> t.audio.shape, t.tangents.shape, t["low.f"].shape, t.units
-        ((4800, 1), (4800, 1, 2), (4800, 1), ('m/s', 'Hz'))
-        """
-        seconds = None if seconds is None else length(seconds)
-        return _gradient.tangents(self._forward(wrt), seconds, self._gesture(gesture), self.sr)
-
-    def gradient(
-        self,
-        wrt: Sequence[str],
-        *,
-        loss: Loss | None = None,
-        cotangent: npt.ArrayLike | None = None,
-        seconds: float | str | None = None,
-        gesture: Gesture = None,
-    ) -> Gradient:
-        """The gradient of a loss of its sound, without memory for the derivatives of samples.
-
-        Args:
-            wrt: as for `tangents`.
-            loss: called with the sound (frames, channels) in double precision; gives the loss, and its derivatives by each sample.
-            cotangent: these derivatives (frames, channels), where there is no loss to call; it says how long is played.
-            seconds: as for `render`, with a loss.
-            gesture: as for `tangents`.
-
-        Raises:
-            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape.
-
-        >>> import cordis_anima as ca
-        >>> g = ca.examples.string().gradient(["hammer.v"], loss=lambda y: ((y**2).sum(), 2 * y), seconds=0.1)
-        >>> g.loss > 0, g["hammer.v"] > 0
-        (True, True)
-        """
-        if cotangent is not None and (loss is not None or seconds is not None):
-            raise UsageError("a cotangent says how long is played, and of which loss it is")
-        seconds = None if seconds is None else length(seconds)
-        return _gradient.gradient(self._forward(wrt), seconds, self._gesture(gesture), cotangent, loss)
-
-    def _forward(self, wrt: Sequence[str]) -> _core.Forward:
-        names = [wrt] if isinstance(wrt, str) else list(wrt)
-        if not names:
-            raise UsageError("`wrt` names no parameter")
-        return self._compiled.forward(names)
-
     def _unit(self, selector: str) -> str:
         """What a probe is counted in: links are forces, and so are outputs of force; all else are places."""
         name, index, _ = selector.partition("@")[0].partition("[")
         name = name.strip()
         inner = bool(index) and name.endswith(".link")
         return "N" if inner or any(item == name and kind in _FORCES for kind, item in self._model.items) else "m"
-
-    def _file(self, path: str | os.PathLike[str], port: str | None, rate: float | None) -> _core.Gesture:
-        """A gesture from a file; notes that move no port are a warning."""
-        gesture = self._compiled.gesture(os.fspath(path), port, rate)
-        if gesture.unheard is not None:
-            warnings.warn(f"`{os.fspath(path)}`: {gesture.unheard}", stacklevel=4)
-        return gesture
-
-    def _gesture(self, gesture: Gesture) -> _core.Gesture | None:
-        if gesture is None:
-            return None
-        if isinstance(gesture, (str, os.PathLike)):
-            return self._file(gesture, None, None)
-        if not isinstance(gesture, Mapping):
-            raise UsageError("a gesture is a file, or names of ports with what drives them")
-        files: list[_core.Gesture] = []
-        tracks: list[tuple[str, Any]] = []
-        for name, curve in gesture.items():
-            if isinstance(curve, (str, os.PathLike)):
-                files.append(self._file(curve, name, None))
-            elif isinstance(curve, tuple) and len(curve) == 2 and isinstance(curve[0], (str, os.PathLike)):
-                files.append(self._file(curve[0], name, number(f"rate of `{name}`", curve[1], "Hz")))
-            elif isinstance(curve, tuple) and len(curve) == 2 and _ndim(curve[0]) == 1 and _ndim(curve[1]) == 0:
-                tracks.append((name, (number(f"rate of `{name}`", curve[1], "Hz"), reals(name, curve[0], dense=True))))
-            else:
-                values = reals(name, curve)
-                if values.ndim == 0:
-                    tracks.append((name, float(values)))
-                elif values.ndim == 1:
-                    tracks.append((name, (self.rate, values)))
-                elif values.ndim == 2 and values.shape[1] == 2:
-                    tracks.append((name, values))
-                else:
-                    raise UsageError(f"gesture `{name}` has the shape {values.shape}: (n,) samples, or (n, 2) times and values")
-        return _core.Gesture.together([_core.Gesture(tracks), *files]) if files else _core.Gesture(tracks)
 
     def open(self, *, block: int = 512, energy: bool = False, probes: Sequence[str] = ()) -> Sim:
         """A running scene: block by block, or frame by frame with `block=1`. See `Sim`.
@@ -392,10 +286,13 @@ class Scene:
         ((64, 2), (64, 1))
         """
         probes = [probes] if isinstance(probes, str) else list(probes)
-        core = self._compiled
-        if probes or energy:
-            core = self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
-        return Sim(core, block, probes)
+        return Sim(self._listening(probes, energy), block, probes)
+
+    def _listening(self, probes: Sequence[str], energy: bool) -> _core.Scene:
+        """The compiled scene, with probes and the ledger where somebody asks for them."""
+        if not probes and not energy:
+            return self._compiled
+        return self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
 
     # seen and touched
 
@@ -417,7 +314,7 @@ class Scene:
         >>> ca.load("rattle").view(0.2)._repr_html_().startswith("<iframe srcdoc=")
         True
         """
-        return View(self._compiled.view(None if seconds is None else length(seconds), self._gesture(gesture), progress))
+        return View(self._compiled.view(None if seconds is None else length(seconds), made(self._compiled, gesture), progress))
 
     def play(self, *args: str, ca: Path | None = None) -> Playing:
         """Plays it by hand in the page of ``ca play``, a program of its own, which is shown inline in a notebook. What the model
@@ -440,28 +337,6 @@ class Scene:
         return Playing._of(self._model, self._model.toml(), ca, [*rate, *args])
 
     # what is known of it
-
-    def modes(self) -> Modes:
-        """Modes of its linear part: frequencies with and without the scheme, decay, shapes, and levels at ports.
-
-        >>> import cordis_anima as ca
-        >>> m = ca.load("harmonic_chain").modes()
-        >>> bool((m.heard > 0).all()), m.shapes.shape == (len(m), len(m.places))
-        (True, True)
-        """
-        raw = self._model.modes(self._asked[0])
-        return Modes(**_frozen(raw))
-
-    def linear(self) -> Linear:
-        """The linear part of the scene at load as sparse matrices, and a tick made of them. Needs SciPy: ``pip install
-        "cordis-anima[linear]"``.
-
-        >>> import cordis_anima as ca, numpy as np
-        >>> part = ca.load("harmonic_chain").linear()
-        >>> part.K.shape == part.M.shape == (len(part), len(part)), bool((part.M.diagonal() > 0).all())
-        (True, True)
-        """
-        return Linear._of(self._model.linear(self._asked[0]))
 
     def rollout(
         self,
@@ -492,67 +367,10 @@ class Scene:
             if self._unit(selector) != "m":
                 raise UsageError(f"`{selector}` is a force; a rollout keeps where masses are")
         played = self.render(seconds, gesture=gesture, probes=asked, progress=progress)
-        columns = [played.probes[s].reshape(len(played.audio), -1) for s in asked]
+        heard = [played.probes[s].reshape(len(played.audio), -1) for s in asked]
         places = tuple(name for s in asked for name in played.columns[s])
-        x = np.concatenate(columns, axis=1) if columns else np.empty((len(played.audio), 0))
+        x = np.concatenate(heard, axis=1) if heard else np.empty((len(played.audio), 0))
         return Rollout(places, x, self.rate, played.status)
-
-    def accuracy(
-        self,
-        seconds: float | str | None = None,
-        *,
-        times: Sequence[int] = (1, 2, 4),
-        reference: int = 32,
-        probes: Sequence[str] = (),
-        progress: Progress | None = None,
-    ) -> Accuracy:
-        """Error against run time over all methods the scene can take, at multiples of its rate.
-
-        Args:
-            seconds: how long it is played; without, as the model says, up to one second.
-            times: multiples of the sound rate.
-            reference: that of the reference, a multiple of 4.
-            probes: what is compared; without, what the outputs listen to.
-
-        >>> import cordis_anima as ca
-        >>> a = ca.examples.string().accuracy(0.02, times=[1], reference=4)
-        >>> a.method[0], len(a) == len(a.error) == len(a.ns)
-        ('as written', True)
-        """
-        seconds = None if seconds is None else number("seconds", seconds, "s")
-        times = [int(t) for t in times]
-        if not times or min(times) < 1 or max(times) > 1_000_000 or not 4 <= reference <= 1_000_000 or reference % 4:
-            raise UsageError("`times` are whole numbers from 1 on, `reference` is a multiple of 4")
-        probes = [probes] if isinstance(probes, str) else list(probes)
-        raw = self._model.accuracy(
-            rate=self._asked[0], seconds=seconds, probes=probes, times=times, reference=reference, progress=progress
-        )
-        return Accuracy(**_frozen(raw))
-
-
-def _ndim(given: object) -> int | None:
-    """Dimensions of an array; none where its rows are of several lengths."""
-    try:
-        return np.ndim(given)  # type: ignore[arg-type]
-    except ValueError:
-        return None
-
-
-def _frozen(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """With tuples in place of lists."""
-    return {k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()}
-
-
-def _probes(raw: Mapping[str, Any], asked: Sequence[str]) -> tuple[Mapping[str, Floats], Mapping[str, tuple[str, ...]]]:
-    """Columns by the selector that asked for them."""
-    heard: dict[str, Floats] = {}
-    names: dict[str, tuple[str, ...]] = {}
-    of = np.asarray(raw["probe_of"])
-    for k, selector in enumerate(asked):
-        columns = np.flatnonzero(of == k)
-        names[selector] = tuple(raw["probe_names"][c] for c in columns)
-        heard[selector] = raw["probes"][:, columns[0]] if len(columns) == 1 else raw["probes"][:, columns]
-    return heard, names
 
 
 def _again(data: bytes, name: str, rate: float | None, exact: bool) -> Scene:

@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import UsageError
+from ._probes import chosen, columns
 from ._results import Energy, Floats, Sound, energy, number, reals
 
 #: what drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
@@ -120,7 +121,7 @@ class Sim:
         self.params = Live(self)
         names, of = core.probes
         # the columns of each selector
-        self._probes = {selector: [c for c, k in enumerate(of) if k == i] for i, selector in enumerate(probes)}
+        self._probes = columns(of, probes)
         self._columns = len(names)
 
     @property
@@ -197,7 +198,7 @@ class Sim:
         if heard is None:
             return Block(audio, forces)
         block = _Probed(audio, forces)
-        block._heard = {s: heard[:, c[0]] if len(c) == 1 else heard[:, c] for s, c in self._probes.items()}
+        block._heard = chosen(heard, self._probes)
         return block
 
     def _given(self, inputs: Inputs, n: int | None, out: Sound | None) -> tuple[Floats, int]:

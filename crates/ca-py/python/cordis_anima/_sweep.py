@@ -26,7 +26,9 @@ from . import _html, _work, _zarr
 from ._errors import FailedError, UsageError, needed
 from ._job import Job, fill, play
 from ._results import Floats, Sound, length, value
-from ._scene import Gesture, Path, Progress, Scene
+from ._gestures import Gesture, Path, made
+from ._measured import Progress
+from ._scene import Scene
 
 #: how many rows a notebook shows, and what of them besides what was varied
 _SHOWN = 10
@@ -292,7 +294,7 @@ def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gestur
                 raise UsageError(f"`{name}` may be one of more than {_VALUES} values: say a `Range`, or fewer")
             axes.append((name, [value(name, v) for v in values]))
     rate, _ = scene._asked
-    hands = scene._gesture(gesture)
+    hands = made(scene._compiled, gesture)
     held = None if hands is None else pickle.dumps(hands.tracks(), 4)
     model = scene._model
     return Job((model.bytes(), model.name, (rate, *asked), pickle.dumps(axes, 4), held, uuid.uuid4().hex))

@@ -12,7 +12,9 @@ import numpy.typing as npt
 
 from . import _core, _html
 from ._results import Floats, length
-from ._scene import Gesture, Path, Progress, Scene
+from ._gestures import Gesture, Path, made
+from ._measured import Progress
+from ._scene import Scene
 from ._view import View
 
 Texts = npt.NDArray[np.object_]
@@ -301,7 +303,7 @@ def record(
         os.fspath(path),
         rate=scene._asked[0],
         seconds=None if seconds is None else length(seconds),
-        gesture=scene._gesture(gesture),
+        gesture=made(scene._compiled, gesture),
         energy=energy,
         forces=forces,
         progress=progress,
