@@ -26,9 +26,11 @@ fn plays_until_it_is_killed() {
         if let Some(rest) = due.checked_sub(begin.elapsed()).filter(|r| r.as_millis() > 2) {
             std::thread::sleep(rest);
         }
-        // how far it is, for who kills it
+        // how far it is, for who kills it: renamed into place, so that a kill between two writes leaves no empty file
         if n.is_multiple_of(30) {
-            std::fs::write(path.with_extension("reported"), p.engine.due().to_string()).unwrap();
+            let next = path.with_extension("next");
+            std::fs::write(&next, p.engine.due().to_string()).unwrap();
+            std::fs::rename(&next, path.with_extension("reported")).unwrap();
         }
     }
 }
