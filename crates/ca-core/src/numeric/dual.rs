@@ -10,7 +10,6 @@
 //! the sign says, of -0 too; of `max` and `min` that of the number taken, the first where both are equal. Comparisons look
 //! at the number alone, so that the derivative is that of the branch that was taken.
 
-use core::array::from_fn;
 use core::cmp::Ordering;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -19,6 +18,17 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 pub const TANGENTS: usize = 7;
 /// The same, and the number.
 const ALL: usize = TANGENTS + 1;
+
+/// All eight, computed by a loop that is always inlined: so it has the vectors of the pass it stands in, which `core::array`'s
+/// functions, not being inlined there, have not.
+#[inline(always)]
+fn each(f: impl Fn(usize) -> f64) -> [f64; ALL] {
+    let mut all = [0.0; ALL];
+    for (k, v) in all.iter_mut().enumerate() {
+        *v = f(k);
+    }
+    all
+}
 
 /// A number and its tangents. The default is 0, a constant.
 #[derive(Clone, Copy, Default)]
@@ -75,7 +85,7 @@ impl Dual {
     /// `value`, with the tangents of this one by `slope`.
     #[inline(always)]
     fn chain(self, value: f64, slope: f64) -> Dual {
-        let mut all = self.all.map(|t| slope * t);
+        let mut all = each(|k| slope * self.all[k]);
         all[0] = value;
         Dual { all }
     }
@@ -191,7 +201,7 @@ impl Neg for Dual {
     type Output = Dual;
     #[inline(always)]
     fn neg(self) -> Dual {
-        Dual { all: self.all.map(|v| -v) }
+        Dual { all: each(|k| -self.all[k]) }
     }
 }
 
@@ -199,7 +209,7 @@ impl Add for Dual {
     type Output = Dual;
     #[inline(always)]
     fn add(self, other: Dual) -> Dual {
-        Dual { all: from_fn(|k| self.all[k] + other.all[k]) }
+        Dual { all: each(|k| self.all[k] + other.all[k]) }
     }
 }
 
@@ -207,7 +217,7 @@ impl Sub for Dual {
     type Output = Dual;
     #[inline(always)]
     fn sub(self, other: Dual) -> Dual {
-        Dual { all: from_fn(|k| self.all[k] - other.all[k]) }
+        Dual { all: each(|k| self.all[k] - other.all[k]) }
     }
 }
 
@@ -218,7 +228,7 @@ impl Mul for Dual {
     #[allow(clippy::suspicious_arithmetic_impl)]
     fn mul(self, other: Dual) -> Dual {
         let (a, b) = (self.all[0], other.all[0]);
-        let mut all: [f64; ALL] = from_fn(|k| a * other.all[k] + b * self.all[k]);
+        let mut all = each(|k| a * other.all[k] + b * self.all[k]);
         all[0] = a * b;
         Dual { all }
     }
@@ -230,7 +240,7 @@ impl Div for Dual {
     fn div(self, other: Dual) -> Dual {
         let quotient = self.all[0] / other.all[0];
         let per = 1.0 / other.all[0];
-        let mut all: [f64; ALL] = from_fn(|k| (self.all[k] - quotient * other.all[k]) * per);
+        let mut all = each(|k| (self.all[k] - quotient * other.all[k]) * per);
         all[0] = quotient;
         Dual { all }
     }
@@ -258,7 +268,7 @@ impl Mul<f64> for Dual {
     type Output = Dual;
     #[inline(always)]
     fn mul(self, other: f64) -> Dual {
-        Dual { all: self.all.map(|v| v * other) }
+        Dual { all: each(|k| self.all[k] * other) }
     }
 }
 
@@ -266,7 +276,7 @@ impl Div<f64> for Dual {
     type Output = Dual;
     #[inline(always)]
     fn div(self, other: f64) -> Dual {
-        Dual { all: self.all.map(|v| v / other) }
+        Dual { all: each(|k| self.all[k] / other) }
     }
 }
 
@@ -283,7 +293,7 @@ impl Sub<Dual> for f64 {
     type Output = Dual;
     #[inline(always)]
     fn sub(self, other: Dual) -> Dual {
-        let mut all = other.all.map(|v| -v);
+        let mut all = each(|k| -other.all[k]);
         all[0] = self - other.all[0];
         Dual { all }
     }
@@ -293,7 +303,7 @@ impl Mul<Dual> for f64 {
     type Output = Dual;
     #[inline(always)]
     fn mul(self, other: Dual) -> Dual {
-        Dual { all: other.all.map(|v| self * v) }
+        Dual { all: each(|k| self * other.all[k]) }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::numeric::{Outer, Real, TINY, bare, inner, lift, outer, real};
+use crate::numeric::{DUAL, Outer, Real, TINY, bare, inner, lift, outer, real};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::{Cell, State};
 
@@ -329,6 +329,15 @@ impl Body for IntegrateFull {
 /// All of the same length.
 #[inline(always)]
 fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
+    if DUAL {
+        // a number is a vector by itself, and what is side by side would be computed by a call for each
+        for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(pqc[0]).zip(pqc[1].iter().zip(pqc[2])) {
+            *d = *p * *d + *q * *x + *c * *f;
+            *x += *d;
+            *f = real(0.0);
+        }
+        return;
+    }
     let [(ps, p), (qs, q), (cs, c)] = pqc.map(|all| all.as_chunks::<SIDE_BY_SIDE>());
     let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
     let (fs, f) = f.as_chunks_mut::<SIDE_BY_SIDE>();
