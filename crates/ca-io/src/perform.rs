@@ -10,12 +10,15 @@ use crate::gesture::{Gesture, Track};
 use ca_core::border::frame_due;
 use ca_core::live::{Controls, LiveParam, Patch};
 use ca_core::scene::{InputRole, Scene};
-use ca_core::{State, tick};
+use ca_core::{State, process, tick};
 use ca_model::quantity::Plain;
 
 /// Beyond this displacement \[m\] a scene is taken to have diverged. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
 pub const DIVERGED: f64 = 1e15;
+
+/// Ticks between two looks at whether it has diverged.
+const LOOK: u64 = 64;
 
 /// Seconds of silence after a gesture, and the least of everything.
 const TAIL: f64 = 2.0;
@@ -198,8 +201,30 @@ impl<'a> Performance<'a> {
             }
         }
         tick(scene, s);
-        if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
+        if s.tick.is_multiple_of(LOOK) && !s.is_bounded(DIVERGED) {
             self.diverged = true;
+        }
+    }
+
+    /// Runs so many ticks, and appends the outputs of each to `rows`.
+    pub fn ticks(&mut self, n: u64, rows: &mut Vec<f64>) {
+        let (n_out, mut left) = (self.scene.n_out, n);
+        while left > 0 {
+            let run = left.min(LOOK - self.state.tick % LOOK);
+            let first = rows.len();
+            rows.resize(first + run as usize * n_out, 0.0);
+            // where nothing is driven, nothing is to be done between two looks at the state
+            if self.drives.is_empty() && n_out > 0 && !self.diverged {
+                let played = process(self.scene, &mut self.state, &mut rows[first..]);
+                debug_assert!(played, "the state is of this scene, and rows are whole");
+                self.diverged = self.state.tick.is_multiple_of(LOOK) && !self.state.is_bounded(DIVERGED);
+            } else {
+                for k in 0..run as usize {
+                    self.tick();
+                    rows[first + k * n_out..][..n_out].copy_from_slice(&self.state.output[..n_out]);
+                }
+            }
+            left -= run;
         }
     }
 

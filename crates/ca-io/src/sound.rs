@@ -110,6 +110,39 @@ impl Level {
         x.clamp(-1.0, 1.0)
     }
 
+    /// As [`Level::keep`] of the channels in rows of `width` numbers, which are the first of each row: into `sound`, row by row.
+    pub fn keep_rows<S: Sample>(&mut self, rows: &[f64], width: usize, sound: &mut [S]) {
+        let channels = self.peak.len();
+        if channels == 0 {
+            return;
+        }
+        let fits = self.all_within(rows, width);
+        for (row, to) in rows.chunks_exact(width).zip(sound.chunks_exact_mut(channels)) {
+            for (k, (to, x)) in to.iter_mut().zip(row).enumerate() {
+                *to = S::of(if fits { *x } else { self.keep(k, *x) });
+            }
+        }
+    }
+
+    /// Whether all of them are finite and within full scale, as they nearly always are; if so, their peaks are entered. One
+    /// loop of comparisons, where to keep each sample takes several of them.
+    fn all_within(&mut self, rows: &[f64], width: usize) -> bool {
+        let within = |most: f64, x: &f64| if x.abs() <= most { most } else { x.abs() };
+        let channels = self.peak.len();
+        // false for a NaN, too
+        let fits = if channels == width {
+            rows.iter().fold(true, |all, x| all & (x.abs() <= 1.0))
+        } else {
+            rows.chunks_exact(width).flat_map(|row| &row[..channels]).fold(true, |all, x| all & (x.abs() <= 1.0))
+        };
+        if fits {
+            for (k, peak) in self.peak.iter_mut().enumerate() {
+                *peak = rows.iter().skip(k).step_by(width).fold(*peak, within);
+            }
+        }
+        fits
+    }
+
     /// As [`Level::keep`], but what is beyond full scale stays, as far as 32-bit floats go.
     #[inline]
     fn pass(&mut self, channel: usize, x: f64) -> f64 {
@@ -120,6 +153,24 @@ impl Level {
         self.peak[channel] = self.peak[channel].max(x.abs());
         self.beyond += u64::from(x.abs() > 1.0);
         x.clamp(f64::from(f32::MIN), f64::from(f32::MAX))
+    }
+}
+
+/// A sample as it is kept.
+pub trait Sample: Copy + Default + Send {
+    /// Of a value.
+    fn of(value: f64) -> Self;
+}
+
+impl Sample for f32 {
+    fn of(value: f64) -> f32 {
+        value as f32
+    }
+}
+
+impl Sample for f64 {
+    fn of(value: f64) -> f64 {
+        value
     }
 }
 

@@ -8,6 +8,7 @@ use ca_io::FileError;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{DIVERGED, Performance};
 pub use ca_io::perform::{frames, seconds};
+pub use ca_io::sound::Sample;
 use ca_model::diag::Diags;
 use ca_model::quantity;
 use std::time::{Duration, Instant};
@@ -45,10 +46,13 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     while done < frames {
         let block = block.min(frames - done);
         rows.clear();
-        for _ in 0..block {
-            keep_ledger(&p, &mut last_good);
-            p.tick();
-            rows.extend_from_slice(&p.state.output[..n_out]);
+        if p.state.ledger.is_none() {
+            p.ticks(block, &mut rows);
+        } else {
+            for _ in 0..block {
+                keep_ledger(&p, &mut last_good);
+                p.ticks(1, &mut rows);
+            }
         }
         done += block;
         heard(&p, &rows, done)?;

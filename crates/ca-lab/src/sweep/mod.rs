@@ -16,15 +16,15 @@ pub(crate) use axis::number;
 pub use axis::{Axis, Space};
 pub use table::{Column, RunTable};
 
-use crate::load::{self, Loaded, compiled};
-use crate::play::{self, BLOCK, Divergence};
+use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
+use crate::play::{self, BLOCK};
 use crate::{Failure, bytes};
 use ca_compile::Options;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
 use ca_model::Value;
-use ca_model::diag::Severity;
 
 /// Most runs of a sweep.
 const MOST: u64 = 1 << 40;
@@ -216,7 +216,7 @@ impl Sweep {
             Ok(sound) => Ok((row, sound)),
             Err(Failure::Stopped) => Err(Failure::Stopped),
             Err(e) => {
-                row.message = reason(e);
+                row.message = e.line();
                 Ok((row, Vec::new()))
             }
         }
@@ -246,9 +246,9 @@ impl Sweep {
             return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
         }
         let played = play::play(performance, frames, BLOCK, &mut |_, rows, _| {
-            for row in rows.chunks_exact(n_out.max(1)) {
-                sound.extend(row[..channels].iter().enumerate().map(|(k, x)| level.keep(k, *x) as f32));
-            }
+            let first = sound.len();
+            sound.resize(first + rows.len() / n_out.max(1) * channels, 0.0);
+            level.keep_rows(rows, n_out.max(1), &mut sound[first..]);
             if goes_on() { Ok(()) } else { Err(Failure::Stopped) }
         })?;
         row.frames = frames;
@@ -262,24 +262,11 @@ impl Sweep {
             (row.partial, row.t60) = (found.partial, found.t60);
         }
         row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|b| play::relative(&b.balance()));
-        let refused = played.performance.state.refused;
-        let audited_scene = || compiled(&loaded, &Options { energy: true, ..options.clone() }).0;
-        let audited = if played.diverged_at.is_some() { audited_scene() } else { None };
-        if let Some(divergence) =
-            Divergence::of(&played, audited.as_ref().unwrap_or(&scene), &scene.findings, self.gesture.as_ref())
-        {
-            row.status = "unstable";
-            row.message = divergence.to_string();
-            (row.failed, row.module) = (Some(divergence.time), Some(divergence.module));
-        } else if level.clipped + level.non_finite > 0 {
-            row.status = "clipped";
-            let (clipped, none) = (level.clipped, level.non_finite);
-            row.message = format!("{clipped} samples beyond full scale, {none} without a value");
-        } else if refused > 0 {
-            row.status = "refused";
-            row.message = format!("{refused} inputs had no value");
-        } else {
-            row.status = "ok";
+        let Outcome { status, message, failed } =
+            Outcome::of(&played, &level, &scene, (&loaded, &options), self.gesture.as_ref());
+        (row.status, row.message) = (status, message);
+        if let Some((time, module)) = failed {
+            (row.failed, row.module) = (Some(time), Some(module));
         }
         Ok(sound)
     }
@@ -363,18 +350,6 @@ pub fn shown(value: &Value) -> String {
         Value::Table(v) => {
             let one = v.iter().map(|e| format!("{} = {}", e.key, shown(&e.value)));
             format!("{{{}}}", one.collect::<Vec<_>>().join(", "))
-        }
-    }
-}
-
-/// A failure in a line.
-fn reason(e: Failure) -> String {
-    match e {
-        Failure::Usage(what) | Failure::Failed(what) => what,
-        Failure::Stopped => String::new(),
-        Failure::Found(found) => {
-            let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
-            first.map_or_else(String::new, |d| format!("{}: {}", d.code, d.title))
         }
     }
 }

@@ -1,0 +1,56 @@
+//! Outcome: whether what was played is as it should be, in a word and a line.
+//!
+//! Decides the order of what can be wrong: what diverged is not also called too loud, and an input without a value is reported
+//! where nothing is worse.
+
+use crate::load::{Loaded, compiled};
+use crate::play::{Divergence, Played};
+use ca_compile::{Compiled, Options};
+use ca_io::gesture::Gesture;
+use ca_io::sound::Level;
+
+/// What became of a scene that was played.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// `ok`, `clipped`, `unstable`, `refused` (an input had no value) or `invalid` (there is no such scene)
+    pub status: &'static str,
+    /// what went wrong; empty where nothing did
+    pub message: String,
+    /// when it diverged \[s\], and the module to blame
+    pub failed: Option<(f64, String)>,
+}
+
+impl Outcome {
+    /// Of a scene that cannot be compiled, or not played.
+    pub fn invalid(message: String) -> Outcome {
+        Outcome { status: "invalid", message, failed: None }
+    }
+
+    /// Of what was played: `compiled_of` says of what and how it was compiled, which is done again with the energy ledger to
+    /// find what is to blame where it diverged.
+    pub fn of(
+        played: &Played,
+        level: &Level,
+        scene: &Compiled,
+        (loaded, options): (&Loaded, &Options),
+        gesture: Option<&Gesture>,
+    ) -> Outcome {
+        let ended = |status, message| Outcome { status, message, failed: None };
+        if played.diverged_at.is_some() {
+            let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
+            let audited = compiled(loaded, &options).0;
+            let scene_audited = audited.as_ref().unwrap_or(&scene.scene);
+            if let Some(d) = Divergence::of(played, scene_audited, &scene.findings, gesture) {
+                return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
+            }
+        }
+        if level.clipped + level.non_finite > 0 {
+            let (clipped, none) = (level.clipped, level.non_finite);
+            return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value"));
+        }
+        match played.performance.state.refused {
+            0 => ended("ok", String::new()),
+            refused => ended("refused", format!("{refused} inputs had no value")),
+        }
+    }
+}
