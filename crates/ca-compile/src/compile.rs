@@ -113,7 +113,7 @@ fn linear_part(
     let numbers = |p: &crate::analysis::Dof| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
     if !linear.linear.dofs.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
         // what the numbers are is for the certificate to say
-        certify(model, &net, false, &mut diags);
+        certify(model, &net, crate::options::Effort::Open, &mut diags);
         diags.sort();
         return Err(diags);
     }
@@ -143,9 +143,9 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     };
     modal::modal(model, &mut net, &mut diags);
     solve_order::choose_modes(&mut net);
-    let mut certificate = certify(model, &net, options.exact, &mut diags);
+    let mut certificate = certify(model, &net, options.effort(), &mut diags);
     if let Some((own, part)) = &group {
-        certificate = certificate.beside(certify(model, own, options.exact, &mut diags), part.compensated);
+        certificate = certificate.beside(certify(model, own, options.effort(), &mut diags), part.compensated);
     }
     if diags.has_errors() {
         diags.sort();

@@ -16,6 +16,27 @@ pub enum KernelClass {
     Reference,
 }
 
+/// How far a scene is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// by cheap bounds
+    Bounds,
+    /// by a factorisation, where they leave it open
+    Open,
+    /// with the largest eigenvalue
+    Largest,
+}
+
+impl Options {
+    pub(crate) fn effort(&self) -> Effort {
+        match (self.exact, self.bounds_only) {
+            (true, _) => Effort::Largest,
+            (false, true) => Effort::Bounds,
+            (false, false) => Effort::Open,
+        }
+    }
+}
+
 /// What the caller asks of a compilation.
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
@@ -33,6 +54,8 @@ pub struct Options {
     pub clouds: Clouds,
     /// narrow down the largest eigenvalue, where the build can
     pub exact: bool,
+    /// judge stability by cheap bounds alone, without a factorisation: for who has judged such a scene before
+    pub bounds_only: bool,
     /// which passes run the links
     pub kernel: KernelClass,
     /// keep what nothing hears: somebody looks at it

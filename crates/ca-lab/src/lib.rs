@@ -5,11 +5,13 @@
 #![forbid(unsafe_code)]
 
 pub mod accuracy;
+pub mod batch;
 pub mod bench;
 pub mod bytes;
 pub mod fit;
 pub mod gesture;
 pub mod load;
+pub mod outcome;
 mod pitch;
 pub mod play;
 pub mod sweep;
@@ -30,6 +32,20 @@ pub enum Failure {
     Found(Box<Found>),
     /// whoever asked wants no more of it
     Stopped,
+}
+
+impl Failure {
+    /// In a line: of a model, its first error.
+    pub fn line(self) -> String {
+        match self {
+            Failure::Usage(what) | Failure::Failed(what) => what,
+            Failure::Stopped => String::new(),
+            Failure::Found(found) => {
+                let first = found.diags.list.into_iter().find(|d| d.severity == ca_model::diag::Severity::Error);
+                first.map_or_else(String::new, |d| format!("{}: {}", d.code, d.title))
+            }
+        }
+    }
 }
 
 impl From<ca_io::FileError> for Failure {

@@ -105,6 +105,8 @@ pub struct Network {
     pub linear: Linear,
     /// name of each place: its module, with `.x`, `.y` or `.z` in space
     pub names: Vec<String>,
+    /// force on each place that nothing changes \[N\]: weight, and springs whose rest length is not what they measure at rest
+    pub constant: Vec<f64>,
     /// displacement of each place at load \[m\]
     pub x: Vec<f64>,
     /// its speed \[m/s\]
@@ -118,7 +120,10 @@ pub struct Network {
     pub driven: Vec<Option<String>>,
     /// where it is driven and heard
     pub ports: Vec<Port>,
-    /// outputs that hear a force, which is no displacement
+    /// outputs that hear a speed or an acceleration: the displacement of which they hear a derivative. They are not among
+    /// [`Network::ports`], which hear a displacement itself
+    pub derivatives: Vec<Port>,
+    /// outputs that hear a force, a speed or an acceleration, none of which is a displacement
     pub force_outputs: Vec<String>,
     /// links that are not linear, and so not in it: name and law
     pub left_out: Vec<(String, &'static str)>,

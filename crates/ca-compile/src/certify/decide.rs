@@ -5,6 +5,7 @@ use crate::certify::bound::Bounds;
 use crate::certify::exact::{self, Exact};
 use crate::certify::rules::rubs;
 use crate::net::{LiaNode, Pruned};
+use crate::options::Effort;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::{FactorVerdict, Level};
 
@@ -20,14 +21,15 @@ pub struct Decision {
     pub few: bool,
 }
 
-/// Decides; `asked` where the largest eigenvalue is wanted.
-pub fn decide(net: &Pruned, sums: &Accumulated, bounds: &Bounds, asked: bool) -> Decision {
+/// Decides.
+pub fn decide(net: &Pruned, sums: &Accumulated, bounds: &Bounds, effort: Effort) -> Decision {
     let spots = |l: &LiaNode| l.ends.iter().map(|e| net.spots(*e)).product::<usize>();
     let touching = net.lias.iter().zip(&sums.links).filter(|(l, b)| by_rule(net, sums, l, b));
     let touching: usize = touching.map(|(l, _)| spots(l)).sum();
-    let few = touching > 0 && touching.saturating_mul(sums.mats.len()) <= exact::WORK;
+    let few = effort != Effort::Bounds && touching > 0 && touching.saturating_mul(sums.mats.len()) <= exact::WORK;
     let open = bounds.lower < 4.0 && bounds.upper >= 4.0 && bounds.covered;
-    let exact = if open || few || asked { Exact::new(net, &sums.mats, &sums.links) } else { None };
+    let open = open && effort != Effort::Bounds;
+    let exact = if open || few || effort == Effort::Largest { Exact::new(net, &sums.mats, &sums.links) } else { None };
     let verdict = exact.as_ref().filter(|_| open).map_or(FactorVerdict::Open, |e| e.verdict(net, &sums.links));
     // waves may hold what the matrix, which has none, does not
     let verdict =

@@ -23,19 +23,19 @@ mod ripple;
 mod rules;
 
 use crate::net::Pruned;
+use crate::options::Effort;
 use blame::overflow;
 use ca_core::scene::certificate::Certificate;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// Judges the network; warnings name the module and what would mend it. The largest eigenvalue is narrowed down only
-/// where it is `asked` for.
-pub fn certify(model: &Model, net: &Pruned, asked: bool, diags: &mut Diags) -> Certificate {
+/// Judges the network; warnings name the module and what would mend it.
+pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -> Certificate {
     let sums = accumulate::accumulate(net);
     if overflow(model, net, &sums, diags) {
         return Certificate::default();
     }
     let bounds = bound::bound(net, &sums);
-    let decided = decide::decide(net, &sums, &bounds, asked);
-    report::report(model, net, &sums, &bounds, &decided, asked, diags)
+    let decided = decide::decide(net, &sums, &bounds, effort);
+    report::report(model, net, &sums, &bounds, &decided, effort == Effort::Largest, diags)
 }

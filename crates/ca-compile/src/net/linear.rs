@@ -119,25 +119,27 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
-    let (mut ports, mut force_outputs): (Vec<Port>, Vec<_>) = (Vec::new(), Vec::new());
+    let (mut ports, mut derivatives, mut force_outputs): (Vec<Port>, Vec<Port>, Vec<String>) = Default::default();
     // the last port and its channel: a probe may have the name of an output
     let mut last: Option<(&str, u32)> = None;
     for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
         let (axis, share, channel) = (*axis, *share, *channel);
-        let (OutputTap::Position(end), Hear::Position) = (*tap, *hear) else {
-            // once, however many modules and axes it hears
-            if force_outputs.last() != Some(name) {
-                force_outputs.push(name.clone());
-            }
+        let still = *hear == Hear::Position;
+        // once, however many modules and axes it hears
+        if !(still && matches!(tap, OutputTap::Position(_))) && force_outputs.last() != Some(name) {
+            force_outputs.push(name.clone());
+        }
+        let (OutputTap::Position(end), Hear::Position | Hear::Speed | Hear::Acceleration) = (*tap, *hear) else {
             continue;
         };
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
         let here = here.into_iter().flatten();
         // a direction is heard axis by axis
         let same = last.replace((name, channel)) == Some((name, channel));
-        match ports.last_mut().filter(|_| same) {
+        let of = if still { &mut ports } else { &mut derivatives };
+        match of.last_mut().filter(|_| same) {
             Some(port) => port.at.extend(here),
-            None => ports.push(Port { name: name.clone(), role: "hears", at: here.collect() }),
+            None => of.push(Port { name: name.clone(), role: "hears", at: here.collect() }),
         }
     }
     for p in &net.pushes {
@@ -177,6 +179,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
             let m = &net.mats[p.mat as usize];
             !m.in_space() && net.scheme(m.group) == Scheme::Modal
         }),
+        constant: constant(net, &slopes, &linear),
         x: linear.dofs.iter().map(|p| at(p, |m| m.dx0)).collect(),
         v: linear.dofs.iter().map(|p| at(p, |m| m.v)).collect(),
         names: names.collect(),
@@ -184,11 +187,41 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
         other_scheme: other_scheme(net, &linear),
         driven,
         ports,
+        derivatives,
         force_outputs,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.to_string(), code)).collect(),
         unheard: unheard(net),
         linear,
     }
+}
+
+/// Force on each dof that nothing changes \[N\].
+fn constant(net: &Pruned, slopes: &[Bound], linear: &Linear) -> Vec<f64> {
+    let mat = |p: &Dof| &net.mats[p.mat as usize];
+    let weight = |p: &Dof| match net.medium(mat(p)).gravity[p.axis as usize] {
+        0.0 => 0.0,
+        g => net.tick_dt * net.tick_dt / p.c * g,
+    };
+    let mut all: Vec<f64> = linear.dofs.iter().map(weight).collect();
+    for row in linear.rows.chunk_by(|a, b| a.lia == b.lia).filter_map(<[_]>::first) {
+        let l = &net.lias[row.lia as usize];
+        // what measures along a line, and no length is written for, pulls at nothing at rest
+        if l.l0.is_none() && !l.is_radial() {
+            continue;
+        }
+        let ports = core::iter::once((l.ends, l.measure)).chain(l.onto.iter().map(|o| (o.ends, o.measure)));
+        let pulled: f64 = ports.enumerate().map(|(i, (ends, m))| stretch(net, l, ends, m, i == 0)).sum();
+        let entries = linear.entries(row);
+        let moved = |i: u32| linear.dofs.get(i as usize).map_or(0.0, |p| mat(p).dx0[p.axis as usize]);
+        let by_places: f64 = entries.iter().map(|(i, w)| w * moved(*i)).sum();
+        let force = slopes[row.lia as usize].k * (pulled - by_places);
+        for (i, w) in entries {
+            if let Some(f) = all.get_mut(*i as usize) {
+                *f -= w * force;
+            }
+        }
+    }
+    all
 }
 
 /// What of the dofs does not move by forces at a place.

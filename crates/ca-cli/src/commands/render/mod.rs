@@ -58,6 +58,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
         clouds: loaded.clouds.clone(),
         exact: false,
+        bounds_only: false,
         whole: false,
     };
     let mut scene = load::scene(&loaded, &options)?;

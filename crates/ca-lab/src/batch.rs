@@ -1,0 +1,226 @@
+//! Batch: one scene played many times, each time with other values, into one array.
+//!
+//! ```text
+//! model ─ values of instance i ─ compiled ─ played ─ row i of one array
+//! ```
+//! Decides that an instance is compiled and played by itself, with the bits of a render of its own, and that threads take the
+//! next instance when they are done with one: against instances side by side in the lanes of a vector, which a contact in one
+//! of them takes apart. All are equally long: as the scene itself is, or as somebody says. An instance that cannot be compiled,
+//! or diverges, ends nothing: it is silence, or what was heard before, with a status. A sweep (`sweep`) draws its values,
+//! measures what it plays and keeps files; a batch is given its values and gives sound.
+
+use crate::Failure;
+use crate::load::{self, Loaded};
+use crate::outcome::Outcome;
+use crate::play::{self, BLOCK, Sample};
+use ca_compile::Options;
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use ca_io::sound::Level;
+use ca_model::Value;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// Between two looks at whether somebody still wants it.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// What is asked of a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchSpec {
+    /// names of parameters, each with its value in every instance
+    pub values: Vec<(String, Vec<Value>)>,
+    /// how long each is played \[s\]; without, as the scene itself
+    pub seconds: Option<f64>,
+    /// how many threads play
+    pub threads: usize,
+}
+
+/// What was heard, instance after instance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch<S> {
+    /// sound rate \[Hz\]
+    pub rate: f64,
+    /// samples of each channel of an instance
+    pub frames: usize,
+    /// sound channels
+    pub channels: usize,
+    /// probes
+    pub probes: usize,
+    /// (instances x frames x channels), within full scale
+    pub sound: Vec<S>,
+    /// (instances x frames x probes)
+    pub probed: Vec<S>,
+    /// what became of each
+    pub outcomes: Vec<Outcome>,
+    /// greatest |sample| of each before the ceiling; 1 is full scale
+    pub peaks: Vec<f64>,
+}
+
+/// Plays a scene once for each value. `goes_on` is asked now and then, with how many are done of how many.
+///
+/// # Errors
+/// [`Failure::Usage`] where the columns are not equally long, a parameter is not there, the gesture drives what is not there,
+/// or the result does not fit into memory; [`Failure::Found`] where the scene itself has errors; [`Failure::Stopped`] where
+/// `goes_on` says no.
+pub fn batch<S: Sample>(
+    loaded: &Loaded,
+    options: &Options,
+    spec: &BatchSpec,
+    gesture: Option<&Gesture>,
+    goes_on: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<Batch<S>, Failure> {
+    let n = instances(loaded, spec)?;
+    let scene = load::scene(loaded, options)?.scene;
+    let performance = Performance::new(&scene, gesture)?;
+    let frames = play::frames(&scene, play::seconds(&performance, spec.seconds));
+    let (channels, probes) = (scene.channels, scene.n_out - scene.channels);
+    let one = usize::try_from(frames).ok();
+    let width = |width: usize| one.and_then(|frames| frames.checked_mul(width));
+    let refused = || {
+        let what = format!("{n} instances of {frames} samples do not fit into memory");
+        Failure::Usage(format!("{what}; play fewer at a time, or less of each"))
+    };
+    let (per_sound, per_probes) = (width(channels).ok_or_else(refused)?, width(probes).ok_or_else(refused)?);
+    let mut sound = zeros::<S>(n.checked_mul(per_sound)).ok_or_else(refused)?;
+    let mut probed = zeros::<S>(n.checked_mul(per_probes)).ok_or_else(refused)?;
+    let mut ended = vec![(Outcome::invalid(String::new()), 0.0); n];
+
+    let (rate, stop) = (scene.rate, AtomicBool::new(false));
+    let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, stop: &stop };
+    let rows = rows(&mut sound, n, per_sound).into_iter().zip(rows(&mut probed, n, per_probes)).zip(&mut ended);
+    let rows = Mutex::new(rows.enumerate());
+    let (done, each) = mpsc::channel();
+    let work = |done: mpsc::Sender<()>| {
+        while !stop.load(Relaxed) {
+            // the lock is held for the step of an iterator, which does not panic
+            let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let Some((index, ((sound, probed), to))) = next else { return };
+            *to = shared.play(index, sound, probed);
+            // nobody listens any more where it was stopped
+            let _ = done.send(());
+        }
+    };
+    let wanted = std::thread::scope(|scope| {
+        for _ in 0..spec.threads.clamp(1, n.max(1)) {
+            let done = done.clone();
+            scope.spawn(|| work(done));
+        }
+        drop(done);
+        let mut played = 0;
+        loop {
+            match each.recv_timeout(LOOK) {
+                Ok(()) => played += 1,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return goes_on(played, n as u64),
+            }
+            if !goes_on(played, n as u64) {
+                stop.store(true, Relaxed);
+                return false;
+            }
+        }
+    });
+    if !wanted {
+        return Err(Failure::Stopped);
+    }
+    let (outcomes, peaks) = ended.into_iter().unzip();
+    Ok(Batch { rate, frames: frames as usize, channels, probes, sound, probed, outcomes, peaks })
+}
+
+/// How many instances there are, where everything that is varied is there and has as many values.
+fn instances(loaded: &Loaded, spec: &BatchSpec) -> Result<usize, Failure> {
+    let Some((first, values)) = spec.values.first() else {
+        return Err(Failure::Usage("a batch varies nothing: name a parameter, and its value in each instance".into()));
+    };
+    for (name, all) in &spec.values {
+        if all.len() != values.len() {
+            let (n, of_first) = (all.len(), values.len());
+            return Err(Failure::Usage(format!(
+                "`{name}` has {n} values and `{first}` has {of_first}: each has one for every instance"
+            )));
+        }
+        if name == "rate.sound" {
+            return Err(Failure::Usage("`rate.sound` cannot be varied: all sounds of a batch have one rate".into()));
+        }
+        if let Some(value) = all.first() {
+            load::set(&mut loaded.clone(), name, value.clone())?;
+        }
+    }
+    Ok(values.len())
+}
+
+/// So many of them, all 0; none where they do not fit into memory.
+fn zeros<S: Sample>(n: Option<usize>) -> Option<Vec<S>> {
+    let (n, mut all) = (n?, Vec::new());
+    all.try_reserve_exact(n).ok()?;
+    all.resize(n, S::default());
+    Some(all)
+}
+
+/// `n` rows of a width, which may be 0.
+fn rows<S>(mut all: &mut [S], n: usize, width: usize) -> Vec<&mut [S]> {
+    let row = |_| {
+        let (row, rest) = std::mem::take(&mut all).split_at_mut(width);
+        all = rest;
+        row
+    };
+    (0..n).map(row).collect()
+}
+
+/// What every thread knows.
+struct Shared<'a> {
+    loaded: &'a Loaded,
+    options: &'a Options,
+    spec: &'a BatchSpec,
+    gesture: Option<&'a Gesture>,
+    rate: f64,
+    frames: u64,
+    channels: usize,
+    stop: &'a AtomicBool,
+}
+
+impl Shared<'_> {
+    /// Plays an instance into its rows: what became of it, and its peak.
+    fn play<S: Sample>(&self, index: usize, sound: &mut [S], probed: &mut [S]) -> (Outcome, f64) {
+        // the scene itself was judged; an instance is where it diverges, so that what is said of it is what a render says
+        let quick = Options { bounds_only: true, ..self.options.clone() };
+        let first = self.played(index, &quick, sound, probed);
+        let again = first.as_ref().is_ok_and(|(outcome, _)| outcome.status == "unstable");
+        let ended = if again { self.played(index, self.options, sound, probed) } else { first };
+        ended.unwrap_or_else(|e| (Outcome::invalid(e.line()), 0.0))
+    }
+
+    fn played<S: Sample>(
+        &self,
+        index: usize,
+        options: &Options,
+        sound: &mut [S],
+        probed: &mut [S],
+    ) -> Result<(Outcome, f64), Failure> {
+        let mut loaded = self.loaded.clone();
+        for (name, values) in &self.spec.values {
+            load::set(&mut loaded, name, values[index].clone())?;
+        }
+        let compiled = load::scene(&loaded, options)?;
+        let (scene, channels) = (&compiled.scene, self.channels);
+        let probes = scene.n_out - scene.channels;
+        if (scene.rate, scene.channels) != (self.rate, channels) || probed.len() != probes * self.frames as usize {
+            let what = format!("{} channels and {probes} probes at {} Hz", scene.channels, scene.rate);
+            return Err(Failure::Failed(format!("{what}: not those of the scene as it is")));
+        }
+        let mut level = Level::new(channels);
+        let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {
+            let (width, first) = (scene.n_out.max(1), done as usize - rows.len() / scene.n_out.max(1));
+            level.keep_rows(rows, width, &mut sound[first * channels..]);
+            if probes > 0 {
+                for (row, to) in rows.chunks_exact(width).zip(probed[first * probes..].chunks_exact_mut(probes)) {
+                    row[channels..].iter().zip(to).for_each(|(x, to)| *to = S::of(*x));
+                }
+            }
+            if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
+        })?;
+        let outcome = Outcome::of(&played, &level, &compiled, (&loaded, options), self.gesture);
+        Ok((outcome, level.peak.iter().copied().fold(0.0, f64::max)))
+    }
+}
