@@ -14,7 +14,8 @@ use std::path::PathBuf;
 /// Each number is printed with two standard deviations, or as not determined. A number stays within the range of its kind or
 /// `[param]`, and within `--range`. What of the recording is not fitted (`--seconds`) is predicted, by the model and by as many
 /// numbers of damped sinusoids. Nothing is written unless `--write` or `--in-place` says where; the rest of the file, its
-/// comments too, stays as it is. Exit code 3 where the model comes no nearer.
+/// comments too, stays as it is. Exit code 3, and nothing written, where the model comes no nearer or does not explain
+/// the sound.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca render hammered_string -o target.wav --seconds 0.7 --set low.f='112 Hz' --set hammer.m='5 g'

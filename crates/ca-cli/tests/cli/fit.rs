@@ -35,6 +35,8 @@ fn a_model_is_fitted_and_written_with_its_comments() {
     assert!((value(1) / 0.02 - 1.0).abs() < 0.02, "{printed:#}");
     assert!(printed["renders"].as_u64().unwrap() < 60 && printed["beyond"]["count"] == 1, "{printed:#}");
     assert!(printed["after"]["levels_db"].as_f64() < printed["before"]["levels_db"].as_f64());
+    assert!(["settled", "explained", "nearer"].iter().all(|key| printed[key] == true), "{printed:#}");
+    assert!(printed["parameters"][0]["deviation"].as_f64().unwrap() < 0.01, "{printed:#}");
     let text = fs::read_to_string(desk.path("found.ca.toml")).unwrap();
     for kept in ["# mine", "unit = \"g\", min = 1, max = 90 }   # of the hammer", "# by frequency", "m = \"weight\""] {
         assert!(text.contains(kept), "{kept}\n{text}");
@@ -66,6 +68,16 @@ fn what_cannot_be_fitted_gets_an_answer() {
         (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.m=9..90"], 2, "is not varied"),
         (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--renders", "2"], 2, "too few"),
         (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--report", "x.pdf"], 2, "`.html`"),
+        (
+            &["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.f=90 kg..130 kg"],
+            1,
+            "in kg, not in Hz",
+        ),
+        (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.f=90..130 s"], 1, "E008"),
+        // before the fit: there is no such recording
+        (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "x.toml"], 2, "ends in `.ca.toml`"),
+        (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "mute.ca.toml"], 1, "`--force` overwrites"),
+        (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "no/x.ca.toml"], 1, "no such directory"),
         (&["mine.ca.toml", "--to", "t.mp3", "--vary", "low.f"], 2, "WAV"),
         (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f"], 1, "`no.wav`"),
         (&["mine.ca.toml", "--to", "not.wav", "--vary", "low.f"], 1, "not a WAV file"),
@@ -75,6 +87,58 @@ fn what_cannot_be_fitted_gets_an_answer() {
         desk.ca(&[&["fit"], args].concat()).is(code).says(&[word]);
     }
     assert_eq!(desk.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
+}
+
+/// A number that is varied may start elsewhere and still be written, into the file itself too.
+#[test]
+fn what_is_set_and_varied_is_written() {
+    let desk = Desk::new();
+    desk.put("mine.ca.toml", MINE);
+    let render = ["--seconds", "0.3", "--no-fade", "-q", "--set", "low.f=112.3 Hz"];
+    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--set", "low.f=114 Hz", "--in-place"];
+    let other = [&fit[..], &["--set", "weight=20"]].concat();
+    desk.ca(&other).is(2).says(&["`--set weight` changes what is not varied", "vary it too"]);
+    desk.ca(&fit).is(0).says(&["low.f: 114 Hz → 112.3"]);
+    let text = fs::read_to_string(desk.path("mine.ca.toml")).unwrap();
+    assert!(text.contains("f = \"112.3") && text.contains("value = 12,"), "{text}");
+}
+
+/// A search that ends too early prints no deviation and says what to do.
+#[test]
+fn a_search_that_is_cut_short_has_no_deviations() {
+    let desk = Desk::new();
+    desk.put("mine.ca.toml", MINE);
+    let render = ["--seconds", "0.3", "--no-fade", "-q", "--set", "low.f=115 Hz", "--set", "weight=20"];
+    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f,weight", "--renders", "8"];
+    let ran = desk.ca(&fit).is(0).says(&["did not settle within", "`--renders`", "not settled"]);
+    assert!(!ran.out.contains('±'), "{}", ran.out);
+    let printed = desk.ca(&[&fit[..], &["--json"]].concat()).is(0).json();
+    assert_eq!(
+        (&printed["settled"], &printed["parameters"][0]["deviation"]),
+        (&false.into(), &serde_json::Value::Null)
+    );
+}
+
+/// A sound that no string makes: no deviations, and nothing written where the model came no nearer.
+#[test]
+fn a_sound_that_is_no_such_instrument_is_not_explained() {
+    let desk = Desk::new();
+    desk.put("mine.ca.toml", MINE);
+    let spec = hound::WavSpec {
+        channels: 1,
+        sample_rate: 48_000,
+        bits_per_sample: 32,
+        sample_format: hound::SampleFormat::Float,
+    };
+    let mut wav = hound::WavWriter::create(desk.path("constant.wav"), spec).unwrap();
+    (0..14_400).for_each(|_| wav.write_sample(0.5_f32).unwrap());
+    wav.finalize().unwrap();
+    let fit = ["fit", "mine.ca.toml", "--to", "constant.wav", "--vary", "low.f,weight", "--in-place"];
+    let ran = desk.ca(&fit).is(3).says(&["does not explain this sound", "came no nearer", "nothing is written"]);
+    assert!(!ran.out.contains('±'), "{}", ran.out);
+    assert_eq!(fs::read_to_string(desk.path("mine.ca.toml")).unwrap(), MINE);
 }
 
 /// The commands of docs/fit.md, one after the other.

@@ -16,6 +16,7 @@ mod page;
 mod partials;
 mod player;
 mod search;
+mod settle;
 mod sinusoids;
 mod spectral;
 mod summary;
@@ -23,11 +24,13 @@ mod target;
 #[cfg(test)]
 mod tests;
 mod vary;
+mod verdict;
 mod wave;
 mod work;
 
 pub use page::report;
 pub use vary::{Range, Varied};
+pub use verdict::{Doubt, Halt};
 
 use crate::Failure;
 use crate::load::{self, Loaded};
@@ -68,8 +71,10 @@ pub struct Fitted {
     pub varied: Varied,
     /// its value
     pub value: f64,
-    /// one standard deviation, in its unit; `None` where the sound does not determine it
+    /// one standard deviation, in its unit; `None` where there is a doubt
     pub deviation: Option<f64>,
+    /// why there is no deviation
+    pub doubt: Option<Doubt>,
     /// whether it is at an end of its range
     pub at_end: bool,
 }
@@ -123,6 +128,10 @@ pub struct Fit {
     pub phase: f64,
     /// seconds that were fitted
     pub seconds: f64,
+    /// why the search ended
+    pub halt: Halt,
+    /// whether so little is left that the sound may be one of this model
+    pub explained: bool,
     /// distance before
     pub before: Distance,
     /// and after

@@ -1,6 +1,6 @@
 //! A page about a fit: the recording, the model before and after, and what is left.
 
-use super::{Distance, Fit, Fitted, Stage, target};
+use super::{Distance, Doubt, Fit, Fitted, Stage, target};
 use ca_model::quantity::{Plain, six};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
@@ -8,16 +8,18 @@ use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound, Spectrum
 const BLOCK: f64 = 0.01;
 
 impl Fitted {
-    /// Its uncertainty, two standard deviations, in words.
+    /// Its uncertainty, two standard deviations, in words; or why there is none.
     pub fn uncertainty(&self) -> String {
-        match self.deviation {
-            Some(d) => {
+        match (self.deviation, self.doubt) {
+            (Some(d), _) => {
                 let part = 200.0 * d / self.value.abs();
                 let part = if part.is_finite() { format!(" ({} %)", Plain(two(part))) } else { String::new() };
                 let unit = &self.varied.unit;
                 format!("± {} {unit}{part}", Plain(two(2.0 * d))).replace("  ", " ")
             }
-            None => "not determined by this sound".into(),
+            (None, Some(Doubt::Unsettled)) => "not settled".into(),
+            (None, Some(Doubt::Unexplained)) => "of a model that does not explain this sound".into(),
+            (None, Some(Doubt::Undetermined) | None) => "not determined by this sound".into(),
         }
     }
 }
@@ -38,9 +40,7 @@ fn row(name: &str, d: &Distance) -> Vec<String> {
 /// The page of a fit of a model to a recording of this name.
 pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let mut report = Report::new(&format!("{name}, fitted"), &format!("to `{target}`, by {} renders", fit.renders));
-    for f in fit.fitted.iter().filter(|f| f.deviation.is_none()) {
-        report.notes.push((Weight::Note, format!("`{}` is not determined by this sound", f.varied.name)));
-    }
+    report.notes.extend(fit.warnings().into_iter().map(|what| (Weight::Note, what)));
     let numbers = fit.fitted.iter().map(|f| {
         let v = &f.varied;
         vec![v.name.clone(), v.shown(v.start), v.shown(f.value), f.uncertainty()]

@@ -115,7 +115,12 @@ impl<'a> Player<'a> {
     }
 }
 
-/// How strongly the outputs hear a mode.
+/// How strongly the outputs hear a mode, by its displacement where they listen; where that is a speed or an acceleration too. Outputs
+/// that hear forces do not count.
+///
+/// Decides for one weight of frequency, whatever is heard: this only tells modes with a node at every output from the others. Times
+/// (2πf)² the fundamental of a string of 40 masses would count as a node beside its highest mode.
 fn level(network: &Network, m: &modes::Mode) -> f64 {
-    network.ports.iter().filter(|p| p.role == "hears").map(|p| m.at(&p.at).abs()).sum()
+    let places = network.ports.iter().filter(|p| p.role == "hears").chain(&network.derivatives);
+    places.map(|p| m.at(&p.at).abs()).sum()
 }

@@ -91,6 +91,8 @@ pub(super) fn free_columns(loss: &dyn Loss, point: &Point, residual: &[f64]) -> 
 /// How a search is done and when it ends.
 pub(super) struct Rules<'a> {
     pub ends: &'a [[f64; 2]],
+    /// places that stay where they are; all that are not in it may move
+    pub still: &'a [bool],
     /// most steps
     pub steps: usize,
     /// what a step has to gain, as a part of the sum of squares
@@ -99,19 +101,35 @@ pub(super) struct Rules<'a> {
     pub spare: u32,
 }
 
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// the last step gained little, or next to nothing is left
+    Small,
+    /// as many steps as there may be were made, and each gained
+    Steps,
+    /// no step of any length gained, by derivatives that were made anew
+    Stuck,
+    /// no renders were left for another step
+    Renders,
+}
+
+/// A sum of squares with less than this is that of rounding.
+pub(super) const EXACT: f64 = 1e-18;
+
 fn sum(r: &[f64]) -> f64 {
     dot(r, r)
 }
 
-/// Goes down from a point. The slopes are those of the point, if they are known; those of where it ends, if they are, are
-/// left there.
+/// Goes down from a point, and says why it went no further. The slopes are those of the point, if they are known; those of where
+/// it ends, if they are, are left there.
 pub(super) fn descend(
     player: &mut Player,
     loss: &dyn Loss,
     mut point: Point,
     slopes: &mut Option<Slopes>,
     rules: &Rules,
-) -> Result<Point, Failure> {
+) -> Result<(Point, Stop), Failure> {
     let n = point.places.len();
     point.free = loss.settle(&point.heard, point.free);
     let mut residual = loss.residual(&point.heard, point.free);
@@ -119,12 +137,14 @@ pub(super) fn descend(
     let mut fresh = false;
     let mut damping: f64 = 1e-3;
     let mut step = 0;
+    let mut stop = Stop::Steps;
     while step < rules.steps {
         let columns = match &mut own {
             Some(columns) => columns,
             none => {
                 if !slopes.as_ref().is_some_and(|s| s.is_at(&point)) {
                     if player.left() < rules.spare + n as u32 + 1 {
+                        stop = Stop::Renders;
                         break;
                     }
                     *slopes = Some(Slopes::at(player, &point, rules.ends)?);
@@ -141,17 +161,22 @@ pub(super) fn descend(
             .map(|k| {
                 let slope = dot(&columns[k], &residual);
                 let [from, to] = rules.ends[k];
-                (point.places[k] <= from && slope > 0.0) || (point.places[k] >= to && slope < 0.0)
+                let still = rules.still.get(k).copied().unwrap_or(false);
+                still || (point.places[k] <= from && slope > 0.0) || (point.places[k] >= to && slope < 0.0)
             })
             .collect();
         let moves: Vec<usize> = (0..n).filter(|k| !held[*k]).collect();
         let all: Vec<Vec<f64>> = moves.iter().map(|k| columns[*k].clone()).chain(beside.iter().cloned()).collect();
         let gradient: Vec<f64> = all.iter().map(|c| dot(c, &residual)).collect();
-        let Some(normal) = Normal::of(&all) else { break };
+        let Some(normal) = Normal::of(&all) else {
+            stop = Stop::Stuck;
+            break;
+        };
         let mut next: Option<(Point, Vec<f64>)> = None;
         let mut by = vec![0.0; n];
         for _ in 0..TRIES {
             if player.left() <= rules.spare {
+                stop = Stop::Renders;
                 break;
             }
             let step = normal.step(&gradient, damping);
@@ -186,7 +211,11 @@ pub(super) fn descend(
             }
         }
         let Some((found, r)) = next else {
+            if stop == Stop::Renders {
+                break;
+            }
             if fresh {
+                stop = Stop::Stuck;
                 break;
             }
             own = None;
@@ -216,7 +245,8 @@ pub(super) fn descend(
         fresh = false;
         (point, residual) = (found, r);
         step += 1;
-        if gained < rules.gains || sum(&residual) < 1e-18 {
+        if gained < rules.gains || sum(&residual) < EXACT {
+            stop = Stop::Small;
             break;
         }
         // a step that gained little by corrected derivatives says that they are worn
@@ -224,5 +254,5 @@ pub(super) fn descend(
             own = None;
         }
     }
-    Ok(point)
+    Ok((point, stop))
 }

@@ -1,55 +1,24 @@
-//! What is said of a fit at its end: how well each number is known, and what the model predicts.
+//! What is said of a fit at its end: the numbers, the distances, and what the model predicts.
 
-use super::loss::{Free, Loss, STRETCHES};
-use super::normal::{Normal, dot};
+use super::loss::{Free, Loss};
 use super::player::Player;
-use super::search::{Point, Slopes, free_columns};
+use super::search::Point;
+use super::settle::Known;
 use super::spectral::Spectral;
 use super::target::{Samples, Target};
+use super::verdict::{Doubt, Halt, explained};
 use super::wave::{self, Wave};
-use super::work::Work;
+use super::work::{Found, Work};
 use super::{Beyond, Distance, Fit, Fitted, Shown, Stage, sinusoids};
 use crate::Failure;
 
-/// What is known worse than this, as a logarithm or a part of its scale, is not determined.
-const UNKNOWN: f64 = 0.7;
-
 impl Work<'_> {
-    /// The standard deviations of places.
-    pub fn known(
-        &self,
-        player: &mut Player,
-        loss: &dyn Loss,
-        point: &Point,
-        slopes: &mut Option<Slopes>,
-    ) -> Result<Vec<Option<f64>>, Failure> {
-        let n = self.varied.len();
-        if !slopes.as_ref().is_some_and(|s| s.is_at(point)) && player.left() >= n as u32 {
-            *slopes = Some(Slopes::at(player, point, &self.ends)?);
-        }
-        let Some(slopes) = slopes else { return Ok(vec![None; n]) };
-        let point = &Point { free: loss.settle(&point.heard, point.free), ..point.clone() };
-        let r = loss.residual(&point.heard, point.free);
-        let mut columns = slopes.columns(loss, point, &r);
-        columns.extend(free_columns(loss, point, &r));
-        let Some(normal) = Normal::of(&columns) else { return Ok(vec![None; n]) };
-        let mut sums = vec![vec![0.0; columns.len()]; STRETCHES];
-        for (i, stretch) in loss.stretches().into_iter().enumerate() {
-            sums[stretch].iter_mut().zip(&columns).for_each(|(s, c)| *s += c[i] * r[i]);
-        }
-        let degrees = r.len().saturating_sub(columns.len()).max(1);
-        let variances = normal.variances(&sums, dot(&r, &r) / degrees as f64);
-        Ok(variances.into_iter().take(n).map(|v| v.map(libm::sqrt).filter(|d| *d < UNKNOWN)).collect())
-    }
-
-    pub fn summary(
-        &self,
-        player: &mut Player,
-        before: &Point,
-        point: &Point,
-        (stage, until): (Stage, usize),
-        found: Vec<Option<f64>>,
-    ) -> Result<Fit, Failure> {
+    pub fn summary(&self, player: &mut Player, before: &Point, found: &Found, known: Known) -> Result<Fit, Failure> {
+        let point = &found.point;
+        let (stage, until) = match found.until {
+            Some(until) => (Stage::Samples, until),
+            None => (Stage::Levels, 0),
+        };
         let Target { rate, onset, fitted, .. } = self.target;
         let there = self.target.samples.first().map_or(0, Vec::len);
         let levels = Spectral::of(&self.target, 0, fitted, self.gain);
@@ -74,13 +43,21 @@ impl Work<'_> {
         let level = levels.settle(&point.heard, free);
         let beyond = self.beyond(&point, level);
         let loaded = player.model(&point.places)?;
-        let list = self.varied.iter().zip(&point.places).zip(&self.ends).zip(found);
+        let [was, is] = [&before, &point].map(distance);
+        let explained = explained(&is);
+        let doubt = match (known.halt, explained) {
+            (_, false) => Some(Doubt::Unexplained),
+            (Halt::Settled, true) => None,
+            (_, true) => Some(Doubt::Unsettled),
+        };
+        let list = self.varied.iter().zip(&point.places).zip(&self.ends).zip(known.deviations);
         let fitted_numbers = list
             .map(|(((v, place), ends), found)| {
                 let value = v.value(*place);
                 let at_end = *place <= ends[0] || *place >= ends[1];
-                let deviation = found.map(|d| v.deviation(value, d));
-                Fitted { varied: v.clone(), value, deviation, at_end }
+                let doubt = if found.is_none() { Some(Doubt::Undetermined) } else { doubt };
+                let deviation = found.filter(|_| doubt.is_none()).map(|d| v.deviation(value, d));
+                Fitted { varied: v.clone(), value, deviation, doubt, at_end }
             })
             .collect();
         let gained = |p: &Point, free: Free| -> Samples {
@@ -113,8 +90,10 @@ impl Work<'_> {
             stage,
             phase: until.saturating_sub(onset) as f64 / rate,
             seconds: (fitted - onset) as f64 / rate,
-            before: distance(&before),
-            after: distance(&point),
+            halt: known.halt,
+            explained,
+            before: was,
+            after: is,
             beyond,
             shown,
         })

@@ -1,6 +1,6 @@
 //! Numbers hidden in a sound are found again, and what cannot be found is said.
 
-use super::{FitOptions, Range, Stage, fit};
+use super::{Doubt, FitOptions, Halt, Range, Stage, fit};
 use crate::Failure;
 use crate::load::{self, Loaded};
 use ca_compile::Options;
@@ -175,6 +175,103 @@ fn what_the_sound_does_not_determine_is_said() {
     assert!(found.fitted[0].deviation.is_some() && found.fitted[1].deviation.is_none(), "{:?}", found.fitted);
     assert!((1200.0 * (found.fitted[0].value / 112.0).log2()).abs() < 0.1);
     assert!(found.fitted[1].uncertainty().contains("not determined"));
+}
+
+/// A speed is no displacement, and tells of the same modes: its partials are found as well.
+#[test]
+fn a_string_whose_speed_is_heard_is_found() {
+    let text = r#"
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "2 s", z = "0.2 mN s/m", m = "1 g" }
+[SOX]
+out = { from = "low[5]", hear = "HEAR", gain = 1 }
+[MAS]
+hammer = { m = "5 g", x = "-1 mm", v = "1 m/s" }
+[BUT]
+hit = { between = ["hammer", "low[8]"], k = "20 kN/m" }
+"#;
+    let truth = [104.919, 3.072, 0.006_538];
+    let vary = names(&HIDDEN);
+    for hear in ["speed", "acceleration"] {
+        let text = text.replace("HEAR", hear);
+        let recording = recorded(&model(&text, &[0, 1, 2].map(|k| (HIDDEN[k], truth[k]))), 1.0);
+        let found = fit(&model(&text, &[]), &recording, &mut options(&vary, &[], &mut |_, _| true)).unwrap();
+        let off: Vec<f64> = found.fitted.iter().zip(truth).map(|(f, t)| f.value / t - 1.0).collect();
+        println!("{hear}: {off:?}, {} renders", found.renders);
+        assert!((1200.0 * (1.0 + off[0]).log2()).abs() < 0.1 && off[1].abs() < 0.01 && off[2].abs() < 0.02, "{off:?}");
+        assert_eq!((found.stage, found.halt), (Stage::Samples, Halt::Settled), "{hear}");
+        assert!(found.fitted.iter().all(|f| f.deviation.is_some()), "{:?}", found.fitted);
+    }
+}
+
+/// A search that is cut short has no deviations, and says what to do.
+#[test]
+fn a_search_that_has_not_settled_says_so() {
+    let vary = names(&HIDDEN);
+    let truth = [("low.f", 104.0), ("low.t60", 3.0), ("hammer.m", 0.012)];
+    let recording = recorded(&model(MINE, &truth), 0.4);
+    let with = |renders: u32| {
+        let go = &mut |_, _| true;
+        let mut ask = FitOptions { renders, ..options(&vary, &[], go) };
+        fit(&model(MINE, &[]), &recording, &mut ask).unwrap()
+    };
+    let found = with(10);
+    assert_eq!(found.halt, Halt::Renders);
+    assert!(found.renders <= 10 && found.fitted.iter().all(|f| f.deviation.is_none()), "{:?}", found.fitted);
+    assert!(found.fitted.iter().all(|f| f.doubt != Some(Doubt::Undetermined)), "{:?}", found.fitted);
+    let said = found.warnings().join("\n");
+    assert!(said.contains("did not settle within") && said.contains("`--renders`"), "{said}");
+    let page = super::report(&found, "mine", "target.wav").html();
+    assert!(page.contains("did not settle within") && !page.contains("±"));
+    let found = with(60);
+    assert_eq!((found.halt, found.warnings().len()), (Halt::Settled, 0), "{:?}", found.warnings());
+    assert!(found.fitted.iter().all(|f| f.uncertainty().starts_with('±')), "{:?}", found.fitted);
+}
+
+/// Sounds that no string makes: none of their numbers gets a deviation.
+#[test]
+fn what_the_model_does_not_explain_gets_no_deviations() {
+    let vary = names(&["low.f", "hammer.m"]);
+    let n = (0.5 * RATE) as usize;
+    let mut drawn = Random(1);
+    let sine = |i: usize| 0.5 * (std::f64::consts::TAU * 440.0 * i as f64 / RATE).sin();
+    for (name, sound) in [
+        ("noise", (0..n).map(|_| drawn.next() - 0.5).collect::<Vec<f64>>()),
+        ("constant", vec![0.5; n]),
+        ("click", (0..n).map(|i| if i == 2000 { 0.9 } else { 0.0 }).collect()),
+        ("sine", (0..n).map(sine).collect()),
+    ] {
+        let recording = Recording { rate: RATE, channels: vec![sound] };
+        let found = fit(&model(MINE, &[]), &recording, &mut options(&vary, &[], &mut |_, _| true)).unwrap();
+        println!("{name}: {:?} {:?} {:?}", found.before, found.after, found.halt);
+        assert!(found.fitted.iter().all(|f| f.deviation.is_none()), "{name}: {:?}", found.fitted);
+        assert!(!found.explained, "{name}: {:?}", found.after);
+        let said = found.warnings().join("\n");
+        assert!(said.contains("does not explain this sound"), "{name}: {said}");
+    }
+}
+
+/// An end of a range is measured as what is set, and a bare one as the value of its `[param]`.
+#[test]
+fn ends_of_ranges_have_units() {
+    let mine = MINE.replace("\"20 g\"", "\"weight\"");
+    let mine = model(&format!("[param]\nweight = {{ value = 20, unit = \"g\" }}\n{mine}"), &[]);
+    let of = |name: &str, from: &str, to: &str| {
+        let ends = [from, to].map(Value::typed);
+        super::Varied::of(&mine, name, &[Range { name: name.into(), ends }])
+    };
+    for (name, from, to, is) in [
+        ("low.f", "90 kg", "130 kg", "in kg, not in Hz"),
+        ("low.f", "90 Hz", "130 s", "in s, not in Hz"),
+        ("weight", "9 Hz", "0.1 kg", "Hz"),
+    ] {
+        let Err(Failure::Found(found)) = of(name, from, to) else { panic!("{name} {from} {to}") };
+        let said = format!("{:?}", found.diags.list);
+        assert!(said.contains("E008") && said.contains(is), "{said}");
+    }
+    assert_eq!(of("low.f", "90", "0.13 kHz").unwrap().bounds, [90.0, 130.0]);
+    let bounds = of("weight", "10", "40 g").unwrap().bounds;
+    assert!((bounds[0] - 0.01).abs() < 1e-12 && (bounds[1] - 0.04).abs() < 1e-12, "{bounds:?}");
 }
 
 /// What was not fitted is predicted: by the model that made it to the bit of the file, by sinusoids not.

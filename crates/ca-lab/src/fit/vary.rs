@@ -7,6 +7,7 @@
 
 use crate::sweep::number;
 use crate::{Failure, catalog, load};
+use ca_compile::Options;
 use ca_core::kind::{Need, Param, Type};
 use ca_model::part::instances;
 use ca_model::quantity::{self, Plain, six, unit_of};
@@ -56,13 +57,16 @@ impl Varied {
         };
         // says what is not there, and what might have been meant
         load::set(&mut loaded.clone(), &first, Value::Num(1.0))?;
-        let (written, own) = match model.params.iter().find(|e| e.key == first) {
+        // a bare number is in the unit beside the value of a `[param]`
+        let (written, own, size) = match model.params.iter().find(|e| e.key == first) {
             Some(e) => param(e)?,
-            None => argument(model, &first)?,
+            None => argument(model, &first).map(|(written, own)| (written, own, 1.0))?,
         };
         let mut bounds = own;
         if let Some(range) = ranges.iter().find(|r| r.name == name) {
-            let [Some(from), Some(to)] = [number(&range.ends[0]), number(&range.ends[1])] else {
+            range.ends.iter().try_for_each(|end| measured_so(loaded, &first, end))?;
+            let end = |v: &Value| number(v).map(|n| if matches!(v, Value::Num(_)) { n * size } else { n });
+            let [Some(from), Some(to)] = [end(&range.ends[0]), end(&range.ends[1])] else {
                 return Err(Failure::Usage(format!("the range of `{name}` goes from one number to another")));
             };
             if from >= to || from.is_nan() || to.is_nan() {
@@ -148,9 +152,27 @@ fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure
     }
 }
 
-/// A `[param]`, and its own bounds.
-fn param(e: &Entry) -> Result<(Written, [f64; 2]), Failure> {
-    let Value::Table(entries) = &e.value else { return Ok((plain(&e.key, &e.value, &[])?, [f64::MIN, f64::MAX])) };
+/// Refuses an end of a range in a unit of another dimension, by what is said where it is set.
+fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
+    // a bare number is in the unit of what it is an end of
+    if matches!(end, Value::Num(_)) {
+        return Ok(());
+    }
+    let mut model = loaded.clone();
+    load::set(&mut model, name, end.clone())?;
+    let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
+    let Err(Failure::Found(mut found)) = load::scene(&model, &options) else { return Ok(()) };
+    found.diags.list.retain(|d| d.code == "E008");
+    // what is wrong in the file itself is reported by the fit
+    let by_it = !found.diags.list.is_empty() && load::scene(loaded, &options).is_ok();
+    if by_it { Err(Failure::Found(found)) } else { Ok(()) }
+}
+
+/// A `[param]`, its own bounds, and how much one of a bare number is.
+fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
+    let Value::Table(entries) = &e.value else {
+        return Ok((plain(&e.key, &e.value, &[])?, [f64::MIN, f64::MAX], 1.0));
+    };
     let of = |key: &str| entries.iter().find(|x| x.key == key).map(|x| &x.value);
     if of("port").is_some() {
         return Err(Failure::Usage(format!("`{}` is driven by a port; set it there", e.key)));
@@ -169,7 +191,7 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2]), Failure> {
     };
     let Some(value) = of("value") else { return Err(Failure::Usage(format!("`{}` has no value", e.key))) };
     let end = |key: &str, without: f64| of(key).map_or(Ok(without), |v| read(v).map(|w| w.value));
-    Ok((read(value)?, [end("min", f64::MIN)?, end("max", f64::MAX)?]))
+    Ok((read(value)?, [end("min", f64::MIN)?, end("max", f64::MAX)?], unit.as_ref().map_or(1.0, |q| q.value)))
 }
 
 /// A parameter of a module, and the range of its kind.

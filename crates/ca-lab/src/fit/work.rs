@@ -7,12 +7,14 @@
 use super::loss::{Free, Loss};
 use super::normal::dot;
 use super::player::Player;
-use super::search::{Point, Rules, Slopes, descend};
+use super::search::{Point, Rules, Slopes, Stop, descend};
+use super::settle::Known;
 use super::spectral::Spectral;
 use super::target::{self, Target};
 use super::vary::Varied;
+use super::verdict::Halt;
 use super::wave::Wave;
-use super::{BEYOND, FEW, Fit, Stage, modal, partials};
+use super::{BEYOND, FEW, Fit, modal, partials};
 use crate::Failure;
 
 /// How late the model may begin \[s\].
@@ -32,6 +34,15 @@ const SURE: f64 = 0.1;
 const ALIGNED: [f64; 2] = [0.03, 0.15];
 /// How far from where its onset puts it a sound may be \[s\].
 const LAG: f64 = 0.003;
+
+/// Where the search from one start ended.
+pub(super) struct Found {
+    pub point: Point,
+    /// up to which sample samples decided; `None` where levels did
+    pub until: Option<usize>,
+    /// whether renders were spent before samples were followed as far as phases agree
+    pub cut: bool,
+}
 
 /// A fit under way.
 pub(super) struct Work<'a> {
@@ -69,41 +80,68 @@ impl Work<'_> {
         }
         let starts = self.scanned(player, &levels, starts, &moved)?;
         let spare = self.spare();
-        let mut best: Option<(f64, Point, Option<usize>)> = None;
+        let mut best: Option<(f64, Found)> = None;
         let mut slopes: Option<Slopes> = None;
         for start in starts {
             if best.is_some() && player.left() < 3 * spare + FEW {
                 break;
             }
-            let rules = Rules { ends: &self.ends, steps: 8, gains: 0.03, spare };
+            let rules = Rules { ends: &self.ends, still: &[], steps: 8, gains: 0.03, spare };
             let mut own: Option<Slopes> = None;
             // where phases agree already, samples tell more than levels, and at once
-            let mut found = (start.clone(), None);
+            let mut found = None;
             if self.agreement(&start).1 < AGREES {
-                found = self.samples(player, start.clone(), &mut own)?;
+                found = Some(self.samples(player, start.clone(), &mut own)?).filter(|f| f.until.is_some());
             }
-            if found.1.is_none() {
-                let downhill = descend(player, &levels, start, &mut own, &rules)?;
-                found = self.samples(player, downhill, &mut own)?;
-            }
-            let (found, until) = found;
-            let score = self.score(&levels, &found, until);
+            let found = if let Some(found) = found {
+                found
+            } else {
+                let (downhill, _) = descend(player, &levels, start, &mut own, &rules)?;
+                self.samples(player, downhill, &mut own)?
+            };
+            let score = self.score(&levels, &found.point, found.until);
             if best.as_ref().is_none_or(|b| score < b.0) {
-                (best, slopes) = (Some((score, found, until)), own);
+                (best, slopes) = (Some((score, found)), own);
             }
             if best.as_ref().is_some_and(|b| b.0 < FOUND) {
                 break;
             }
         }
-        let Some((_, point, until)) = best else {
+        let Some((_, found)) = best else {
             return Err(Failure::Failed("the search has no start".into()));
         };
-        let (stage, fitted_by): (Stage, Box<dyn Loss>) = match until {
-            Some(until) => (Stage::Samples, Box::new(self.wave(until))),
-            None => (Stage::Levels, Box::new(levels)),
-        };
-        let found = self.known(player, fitted_by.as_ref(), &point, &mut slopes)?;
-        self.summary(player, &before, &point, (stage, until.unwrap_or(0)), found)
+        let (found, known) = self.to_the_end(player, &levels, found, &mut slopes)?;
+        self.summary(player, &before, &found, known)
+    }
+
+    /// Goes on by the distance that decided until the search has settled; where levels did and phases then agree, by samples.
+    fn to_the_end(
+        &self,
+        player: &mut Player,
+        levels: &Spectral,
+        mut found: Found,
+        slopes: &mut Option<Slopes>,
+    ) -> Result<(Found, Known), Failure> {
+        let mut known = None;
+        if found.until.is_none() {
+            let (point, by_levels) = self.settled(player, levels, found.point.clone(), slopes)?;
+            let moved = point.places != found.point.places;
+            found.point = point;
+            known = Some(by_levels);
+            if moved {
+                found = self.samples(player, found.point, slopes)?;
+            }
+        }
+        if let Some(until) = found.until {
+            let (point, by_samples) = self.settled(player, &self.wave(until), found.point, slopes)?;
+            return Ok((Found { point, ..found }, by_samples));
+        }
+        let mut known = known.unwrap_or_else(|| Known::nothing(self.varied.len()));
+        // samples were not followed as far as phases agree
+        if found.cut {
+            known.halt = Halt::Renders;
+        }
+        Ok((found, known))
     }
 
     /// Samples of a render that reach to a sample of the recording, with room for a delay that changes.
@@ -113,7 +151,7 @@ impl Work<'_> {
     }
 
     /// Renders for what is known of the numbers, and for what comes after the part that is fitted.
-    fn spare(&self) -> u32 {
+    pub fn spare(&self) -> u32 {
         self.varied.len() as u32 + u32::from(self.is_beyond())
     }
 
@@ -194,12 +232,7 @@ impl Work<'_> {
     }
 
     /// Samples compared in windows that grow as far as phases agree; up to where, if that is all that is fitted.
-    fn samples(
-        &self,
-        player: &mut Player,
-        mut point: Point,
-        slopes: &mut Option<Slopes>,
-    ) -> Result<(Point, Option<usize>), Failure> {
+    fn samples(&self, player: &mut Player, mut point: Point, slopes: &mut Option<Slopes>) -> Result<Found, Failure> {
         let spare = self.spare();
         let Target { rate, onset, fitted, .. } = self.target;
         let before = point.clone();
@@ -218,6 +251,7 @@ impl Work<'_> {
             dot(&r, &r)
         };
         let mut reached: Option<usize> = None;
+        let mut cut = false;
         loop {
             // the longest window in which phases agree already
             let next = windows.iter().copied().filter(|w| left(&point, *w) < AGREES).max();
@@ -225,11 +259,13 @@ impl Work<'_> {
             let last = until == fitted;
             let rules = Rules {
                 ends: &self.ends,
+                still: &[],
                 steps: if last { 12 } else { 3 },
                 gains: if last { 1e-4 } else { 0.2 },
                 spare,
             };
-            point = descend(player, &self.wave(until), point, slopes, &rules)?;
+            let (next, stop) = descend(player, &self.wave(until), point, slopes, &rules)?;
+            (point, cut) = (next, stop == Stop::Renders);
             reached = Some(until);
             if last {
                 break;
@@ -237,9 +273,9 @@ impl Work<'_> {
         }
         // what is left of a recording that the model cannot follow would bend the numbers to the strongest partials
         if reached == Some(fitted) && left(&point, fitted) < SURE {
-            return Ok((point, reached));
+            return Ok(Found { point, until: reached, cut });
         }
-        Ok((before, None))
+        Ok(Found { point: before, until: None, cut })
     }
 
     /// The delay, near that of the onsets, by which samples agree best.

@@ -31,7 +31,8 @@ class Fitted(NamedTuple):
 
     #: what was found
     value: float
-    #: one standard deviation; ``None`` where the sound does not determine it
+    #: one standard deviation; ``None`` where the sound does not determine it, the search has not settled, or the model does not
+    #: explain the sound
     deviation: float | None
     #: its unit; empty for a plain number
     unit: str
@@ -72,6 +73,12 @@ class Fit:
     seconds: float
     #: which distance decided
     stage: Literal["levels", "samples"]
+    #: whether the search arrived; if not, no number has a deviation
+    settled: bool
+    #: whether so little is left that the sound may be one of this model; if not, no number has a deviation
+    explained: bool
+    #: what somebody should know of the values, a sentence each
+    warnings: tuple[str, ...]
     #: distance before
     before: Distance
     #: and after
@@ -155,6 +162,9 @@ def fit(
         renders=raw["renders"],
         seconds=raw["seconds"],
         stage=raw["stage"],
+        settled=raw["settled"],
+        explained=raw["explained"],
+        warnings=tuple(raw["warnings"]),
         before=Distance(**raw["before"]),
         after=Distance(**raw["after"]),
         beyond=None

@@ -11,7 +11,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page, term};
 use ca_compile::Options;
 use ca_io::recording::Recording;
-use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, fit, report};
+use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Halt, Range, Stage, fit, report};
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
 use serde_json::{Value as Json, json};
@@ -32,9 +32,13 @@ pub fn run(args: &FitArgs) -> Outcome {
     if writes && load::has_extension(Path::new(&args.model), "mdl") {
         return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
     }
-    if writes && !args.set.is_empty() {
-        let what = "`--set` changes what is fitted, and would not be in what is written";
-        return Err(Failure::Usage(format!("{what}; write these values in the file first")));
+    // what is varied is written with its value found, wherever it started
+    if let Some((name, _)) = args.set.iter().find(|(name, _)| writes && !args.vary.contains(name)) {
+        let what = format!("`--set {name}` changes what is not varied, and would not be in what is written");
+        return Err(Failure::Usage(format!("{what}; write this value in the file first, or vary it too")));
+    }
+    if let Some(path) = &args.to_file.write {
+        write::may_be(path, args.to_file.force)?;
     }
     if writes {
         // what has no place in the file is refused before the work is done
@@ -73,8 +77,11 @@ pub fn run(args: &FitArgs) -> Outcome {
     } else {
         print(&loaded, &target, &found)?;
     }
-    said(&found);
-    if writes {
+    found.warnings().iter().for_each(|what| term::warning(what));
+    let good = found.is_nearer() && found.explained;
+    if writes && !good {
+        term::warning("nothing is written");
+    } else if writes {
         let text = write::text(&loaded.model, &found)?;
         if args.to_file.in_place {
             ca_io::atomic_file::write(Path::new(&args.model), text.as_bytes())?;
@@ -89,7 +96,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         page::write(path, &report(&found, &loaded.name, &target).html())?;
         term::note(&format!("page written to `{}`", path.display()));
     }
-    Ok(if nearer(&found) { Ended::Well } else { Ended::Degraded })
+    Ok(if good { Ended::Well } else { Ended::Degraded })
 }
 
 /// `low.f=80 Hz..160 Hz`
@@ -99,28 +106,6 @@ fn range((name, text): &(String, String)) -> Result<Range, Failure> {
         return Err(Failure::Usage(format!("{what}; write it like `low.f=80..160`")));
     };
     Ok(Range { name: name.clone(), ends: [Value::typed(from), Value::typed(to)] })
-}
-
-fn nearer(found: &Fit) -> bool {
-    // a start that is the recording itself cannot be improved
-    let [was, is] = [found.before, found.after];
-    is.levels < was.levels || is.samples < was.samples || is.samples < -60.0
-}
-
-/// What somebody should know of the values.
-fn said(found: &Fit) {
-    for f in &found.fitted {
-        let name = &f.varied.name;
-        if f.at_end {
-            term::warning(&format!("`{name}` is at an end of its range; widen it with `--range`, if it may go on"));
-        }
-        if f.deviation.is_none() {
-            term::warning(&format!("`{name}` is not determined by this sound; its value says nothing"));
-        }
-    }
-    if !nearer(found) {
-        term::warning("the model came no nearer to the recording; vary other numbers, or start elsewhere with `--set`");
-    }
 }
 
 fn print(loaded: &Loaded, target: &str, found: &Fit) -> Result<(), Failure> {
@@ -164,6 +149,7 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
     json!({
         "name": loaded.name, "target": target, "renders": found.renders, "seconds": found.seconds,
         "parameters": numbers, "gain": found.gain, "delay_s": found.delay,
+        "settled": found.halt == Halt::Settled, "explained": found.explained, "nearer": found.is_nearer(),
         "stage": if found.stage == Stage::Samples { "samples" } else { "levels" }, "phase_s": found.phase,
         "before": distance(&found.before), "after": distance(&found.after),
         "beyond": found.beyond.as_ref().map(beyond),

@@ -2,13 +2,36 @@
 //!
 //! Decides that a number keeps the unit its author gave it, and that one which many instances share is not touched.
 
+use crate::load;
 use crate::outcome::Failure;
 use ca_lab::fit::{Fit, Fitted};
 use ca_model::{Model, Value, quantity};
+use std::path::Path;
 use toml_edit::{DocumentMut, Item};
 
 /// Digits of a number that is written: a thousandth of a cent and better.
 const DIGITS: usize = 8;
+
+/// Refuses a path that cannot be written, before the work is done: with the messages that writing itself has.
+pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
+    if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
+        let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
+        let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
+        return Err(Failure::Usage(format!("{what}; write `{}`", own.display())));
+    }
+    if !force && path.symlink_metadata().is_ok() {
+        return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
+    }
+    if path.is_dir() {
+        return Err(Failure::Failed(format!("`{}`: it is a directory; name a file in it", path.display())));
+    }
+    let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
+    if folder.is_some_and(|f| !f.is_dir()) {
+        let what = format!("`{}`: it cannot be written: no such directory", path.display());
+        return Err(Failure::Failed(format!("{what}; make the directory first")));
+    }
+    Ok(())
+}
 
 /// The text of the model with what was found.
 pub(super) fn text(model: &Model, found: &Fit) -> Result<String, Failure> {

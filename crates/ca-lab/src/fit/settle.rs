@@ -1,0 +1,130 @@
+//! Where a search ends: how well each number is known there, and whether it is an end at all.
+//!
+//! Decides that a search has settled where the step that derivatives there promise changes each number by less than its deviation.
+//! A small gain of the last step is no sign of that: a step may be short since it was damped, or since derivatives were worn. As long as
+//! it has not settled and renders are left it goes on.
+
+use super::loss::{Loss, STRETCHES};
+use super::normal::{Normal, dot};
+use super::player::Player;
+use super::search::{EXACT, Point, Rules, Slopes, Stop, descend, free_columns};
+use super::verdict::Halt;
+use super::work::Work;
+use crate::Failure;
+
+/// What is known worse than this, as a logarithm or a part of its scale, is not determined.
+const UNKNOWN: f64 = 0.7;
+/// Steps between two looks at whether it has settled, and the least that one gains.
+const STEPS: usize = 8;
+const GAINS: f64 = 1e-3;
+
+/// What is known at the end of a search.
+pub(super) struct Known {
+    /// the standard deviations of places; `None` of what is not determined
+    pub deviations: Vec<Option<f64>>,
+    /// why it ended
+    pub halt: Halt,
+}
+
+impl Known {
+    /// Of so many numbers, where nothing could be looked at: not even whether the sound determines them.
+    pub fn nothing(n: usize) -> Known {
+        Known { deviations: vec![Some(f64::INFINITY); n], halt: Halt::Renders }
+    }
+}
+
+/// Deviations at a point, and whether a step from there would change a number by more.
+struct Look {
+    deviations: Vec<Option<f64>>,
+    settled: bool,
+}
+
+impl Work<'_> {
+    /// Goes on from a point by the distance that decided, until it has settled there, nothing is gained or renders are spent.
+    pub fn settled(
+        &self,
+        player: &mut Player,
+        loss: &dyn Loss,
+        mut point: Point,
+        slopes: &mut Option<Slopes>,
+    ) -> Result<(Point, Known), Failure> {
+        let spare = self.spare();
+        loop {
+            let look = self.look(player, loss, &point, slopes)?;
+            let ended = |halt: Halt| Known { deviations: look.deviations.clone(), halt };
+            if look.settled {
+                return Ok((point, ended(Halt::Settled)));
+            }
+            if player.left() <= spare {
+                return Ok((point, ended(Halt::Renders)));
+            }
+            // what is not determined would go on for ever, and its steps are so long that those of the others are cut
+            let still: Vec<bool> = look.deviations.iter().map(Option::is_none).collect();
+            let rules = Rules { ends: &self.ends, still: &still, steps: STEPS, gains: GAINS, spare };
+            let (next, stop) = descend(player, loss, point.clone(), slopes, &rules)?;
+            if next.places == point.places {
+                let halt = if stop == Stop::Renders { Halt::Renders } else { Halt::Stuck };
+                return Ok((next, ended(halt)));
+            }
+            point = next;
+        }
+    }
+
+    /// The standard deviations of places, and whether these are an end of the search.
+    fn look(
+        &self,
+        player: &mut Player,
+        loss: &dyn Loss,
+        point: &Point,
+        slopes: &mut Option<Slopes>,
+    ) -> Result<Look, Failure> {
+        let n = self.varied.len();
+        let unknown = Look { deviations: Known::nothing(n).deviations, settled: false };
+        if !slopes.as_ref().is_some_and(|s| s.is_at(point)) {
+            if player.left() < n as u32 {
+                return Ok(unknown);
+            }
+            *slopes = Some(Slopes::at(player, point, &self.ends)?);
+        }
+        let Some(slopes) = slopes else { return Ok(unknown) };
+        let point = &Point { free: loss.settle(&point.heard, point.free), ..point.clone() };
+        let r = loss.residual(&point.heard, point.free);
+        let mut columns = slopes.columns(loss, point, &r);
+        columns.extend(free_columns(loss, point, &r));
+        let Some(normal) = Normal::of(&columns) else { return Ok(unknown) };
+        let mut sums = vec![vec![0.0; columns.len()]; STRETCHES];
+        for (i, stretch) in loss.stretches().into_iter().enumerate() {
+            sums[stretch].iter_mut().zip(&columns).for_each(|(s, c)| *s += c[i] * r[i]);
+        }
+        let degrees = r.len().saturating_sub(columns.len()).max(1);
+        let left = dot(&r, &r);
+        let variances = normal.variances(&sums, left / degrees as f64);
+        let deviations: Vec<Option<f64>> =
+            variances.into_iter().take(n).map(|v| v.map(libm::sqrt).filter(|d| *d < UNKNOWN)).collect();
+        let still: Vec<bool> = deviations.iter().map(Option::is_none).collect();
+        let step = self.step(point, &columns, &r, &still);
+        let within = |k: usize| deviations[k].is_none_or(|d| step[k].abs() <= d);
+        Ok(Look { settled: left < EXACT || (0..n).all(within), deviations })
+    }
+
+    /// How far a step without damping goes along each place that is not still, within the ends.
+    fn step(&self, point: &Point, columns: &[Vec<f64>], residual: &[f64], still: &[bool]) -> Vec<f64> {
+        let n = self.varied.len();
+        let gradient: Vec<f64> = columns.iter().map(|c| dot(c, residual)).collect();
+        // what is at an end and would go beyond stays there
+        let held = |k: usize| {
+            let [from, to] = self.ends[k];
+            still[k] || (point.places[k] <= from && gradient[k] > 0.0) || (point.places[k] >= to && gradient[k] < 0.0)
+        };
+        let moves: Vec<usize> = (0..columns.len()).filter(|k| *k >= n || !held(*k)).collect();
+        let of: Vec<Vec<f64>> = moves.iter().map(|k| columns[*k].clone()).collect();
+        let against: Vec<f64> = moves.iter().map(|k| gradient[*k]).collect();
+        let Some(normal) = Normal::of(&of) else { return vec![f64::INFINITY; n] };
+        let mut step = vec![0.0; n];
+        for (k, by) in moves.into_iter().zip(normal.step(&against, 0.0)).filter(|(k, _)| *k < n) {
+            let at = point.places[k];
+            step[k] = (at + by).clamp(self.ends[k][0], self.ends[k][1]) - at;
+        }
+        step
+    }
+}
