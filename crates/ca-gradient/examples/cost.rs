@@ -38,7 +38,7 @@ fn main() {
             (0..FRAMES).for_each(|_| tick(&scene, &mut s));
             plain = plain.min(begin.elapsed().as_secs_f64());
             let begin = Instant::now();
-            t = Some(forward.tangents(seconds, None).expect("derivatives"));
+            t = Some(forward.tangents(seconds, None, &mut || true).expect("derivatives"));
             dual = dual.min(begin.elapsed().as_secs_f64());
         }
         let t = t.expect("it was played");

@@ -36,6 +36,8 @@ const ONE_SIDED: [[f64; 9]; 2] = [
 pub struct Start {
     structure: Identity,
     numbers: Vec<f64>,
+    /// curves that ports are given, which carry no derivatives
+    gestures: Vec<(String, Vec<[f64; 2]>)>,
     /// stretches of numbers of one kind: one that is small beside the others is known to the digits of these
     alike: Vec<Range<usize>>,
 }
@@ -52,7 +54,8 @@ impl Start {
             first += n;
             first - n..first
         });
-        Start { alike: alike.to_vec(), structure: scene.structure(), numbers }
+        let gestures = std::mem::take(&mut scene.gestures);
+        Start { alike: alike.to_vec(), structure: scene.structure(), numbers, gestures }
     }
 }
 
@@ -61,6 +64,8 @@ enum Obstacle {
     /// the model has an error there, such as a number out of range
     Model(String),
     Built,
+    /// what ports are given is another
+    Gesture,
     Rough,
 }
 
@@ -80,6 +85,9 @@ pub fn derivatives(
         let h = size * part;
         let at = |k: i32| -> Result<Vec<f64>, Obstacle> {
             let other = Start::of(compiled(parameter.value + f64::from(k) * h).map_err(Obstacle::Model)?);
+            if other.gestures != start.gestures {
+                return Err(Obstacle::Gesture);
+            }
             let same = other.structure == start.structure && other.numbers.len() == start.numbers.len();
             if same { Ok(other.numbers) } else { Err(Obstacle::Built) }
         };
@@ -116,6 +124,9 @@ pub fn derivatives(
             format!(
                 "`{name}` changes what is built, and not only its numbers, so that there is no derivative by it; a number that is 0 may be left out of what is built: write a small one"
             )
+        }
+        Obstacle::Gesture => {
+            format!("`{name}` moves a gesture of the model, and what ports are given is not differentiated")
         }
         Obstacle::Rough => format!(
             "what the scene begins with has no derivative by `{name}` at its value: a corner, a jump, or nothing but rounding"

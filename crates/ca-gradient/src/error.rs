@@ -17,6 +17,8 @@ pub enum Error {
     Model(Box<Found>),
     /// the gesture does not fit the model
     Gesture(FileError),
+    /// who was asked did not want more of it
+    Stopped,
 }
 
 impl Error {
@@ -31,6 +33,7 @@ impl fmt::Display for Error {
             Error::Refused(what) => f.write_str(what),
             Error::Model(found) => f.write_str(&render::text(&found.diags, &found.model, false)),
             Error::Gesture(e) => e.fmt(f),
+            Error::Stopped => f.write_str("stopped"),
         }
     }
 }

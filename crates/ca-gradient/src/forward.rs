@@ -19,6 +19,12 @@ use ca_model_dual::{Model, read};
 use cordis_anima::{Loaded, Options};
 use std::sync::Arc;
 
+/// Asked now and then, while it plays, whether to go on.
+pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
+
+/// Ticks between two such questions.
+const BLOCK: u64 = 1024;
+
 /// A scene, with the derivatives of all that it begins with.
 pub struct Forward {
     /// in double precision, for its ports
@@ -83,11 +89,14 @@ impl Forward {
         };
         let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
         if scene.slow.is_some() {
-            let what = "groups at the gesture rate are not differentiated: leave out `rate = \"gesture\"` of the group";
+            let what = "no derivatives of this scene: groups at the gesture rate are not differentiated; leave out `rate = \"gesture\"` of the group";
             return Err(Error::refused(what));
         }
         if let Some(d) = scene.live.driven.first() {
-            let what = format!("`{}` is driven by the port `{}`, which is not differentiated", d.param.name, d.port);
+            let what = format!(
+                "no derivatives of this scene: its `{}` is driven by the port `{}`, which is not differentiated; drive it by no port",
+                d.param.name, d.port
+            );
             return Err(Error::refused(what));
         }
         let start = Start::of(scene);
@@ -119,8 +128,13 @@ impl Forward {
     /// # Errors
     /// [`Error::Gesture`] where the gesture does not fit the model, [`Error::Refused`] where it drives a live parameter, or
     /// where the scene diverges.
-    pub fn tangents(&self, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Tangents, Error> {
-        let played = Played::new(self, seconds, gesture)?;
+    pub fn tangents(
+        &self,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        goes_on: GoesOn,
+    ) -> Result<Tangents, Error> {
+        let played = Played::new(self, seconds, gesture, goes_on)?;
         let (frames, outputs, n) = (played.frames, self.plain.n_out, self.parameters.len());
         let mut to = Tangents {
             rate: self.plain.rate,
@@ -128,18 +142,23 @@ impl Forward {
             outputs,
             channels: self.plain.channels,
             parameters: self.parameters.clone(),
-            output: vec![0.0; frames * outputs],
-            tangents: vec![0.0; frames * outputs * n],
+            output: zeros(frames, outputs, 1)?,
+            tangents: zeros(frames, outputs, n)?,
         };
         for first in (0..n.max(1)).step_by(TANGENTS) {
             let some = first..n.min(first + TANGENTS);
-            self.play(&played, some.clone(), &mut |frame, row| {
-                for (k, v) in row.iter().enumerate() {
-                    let at = frame * outputs + k;
-                    to.output[at] = v.value();
-                    to.tangents[at * n..][some.clone()].copy_from_slice(&v.tangents()[..some.len()]);
-                }
-            })?;
+            self.play(
+                &played,
+                some.clone(),
+                &mut |frame, row| {
+                    for (k, v) in row.iter().enumerate() {
+                        let at = frame * outputs + k;
+                        to.output[at] = v.value();
+                        to.tangents[at * n..][some.clone()].copy_from_slice(&v.tangents()[..some.len()]);
+                    }
+                },
+                goes_on,
+            )?;
         }
         Ok(to)
     }
@@ -148,13 +167,19 @@ impl Forward {
     ///
     /// # Errors
     /// As [`Forward::tangents`].
-    pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Vec<f64>, Error> {
+    pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         let mut p = Performance::new(&self.plain, gesture)?;
         let frames = perform::frames(&self.plain, perform::seconds(&p, seconds));
-        let mut all = Vec::with_capacity(frames as usize * self.plain.n_out);
-        for _ in 0..frames {
-            p.tick();
-            all.extend_from_slice(&p.state.output);
+        let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), self.plain.n_out, 1)?;
+        all.clear();
+        let mut left = frames;
+        while left > 0 {
+            let run = left.min(BLOCK);
+            p.ticks(run, &mut all);
+            left -= run;
+            if !goes_on() {
+                return Err(Error::Stopped);
+            }
         }
         if p.diverged { Err(diverged()) } else { Ok(all) }
     }
@@ -164,7 +189,7 @@ impl Forward {
     ///
     /// # Errors
     /// As [`Forward::tangents`], and where the cotangent has no whole rows.
-    pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>) -> Result<Vec<f64>, Error> {
+    pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         let outputs = self.plain.n_out.max(1);
         if cotangent.is_empty() || !cotangent.len().is_multiple_of(outputs) {
             let what =
@@ -172,18 +197,23 @@ impl Forward {
             return Err(Error::refused(what));
         }
         let seconds = (cotangent.len() / outputs) as f64 / self.plain.rate;
-        let played = Played::new(self, Some(seconds), gesture)?;
+        let played = Played::new(self, Some(seconds), gesture, goes_on)?;
         let n = self.parameters.len();
         let mut gradient = vec![0.0; n];
         for first in (0..n).step_by(TANGENTS) {
             let some = first..n.min(first + TANGENTS);
-            self.play(&played, some.clone(), &mut |frame, row| {
-                for (v, by) in row.iter().zip(&cotangent[frame * outputs..]) {
-                    for (sum, t) in gradient[some.clone()].iter_mut().zip(v.tangents()) {
-                        *sum += by * t;
+            self.play(
+                &played,
+                some.clone(),
+                &mut |frame, row| {
+                    for (v, by) in row.iter().zip(&cotangent[frame * outputs..]) {
+                        for (sum, t) in gradient[some.clone()].iter_mut().zip(v.tangents()) {
+                            *sum += by * t;
+                        }
                     }
-                }
-            })?;
+                },
+                goes_on,
+            )?;
         }
         Ok(gradient)
     }
@@ -194,6 +224,7 @@ impl Forward {
         played: &Played,
         some: std::ops::Range<usize>,
         heard: &mut impl FnMut(usize, &[Dual]),
+        goes_on: GoesOn,
     ) -> Result<(), Error> {
         let mut scene = self.compiled(&self.model).map_err(Error::Refused)?;
         let columns = &self.derivatives[some];
@@ -212,6 +243,9 @@ impl Forward {
             heard(frame, &s.output);
             if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
                 return Err(diverged());
+            }
+            if s.tick.is_multiple_of(BLOCK) && !goes_on() {
+                return Err(Error::Stopped);
             }
         }
         Ok(())
@@ -232,7 +266,12 @@ struct Played {
 }
 
 impl Played {
-    fn new(forward: &Forward, seconds: Option<f64>, gesture: Option<&Gesture>) -> Result<Played, Error> {
+    fn new(
+        forward: &Forward,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        goes_on: GoesOn,
+    ) -> Result<Played, Error> {
         let scene = &forward.plain;
         let mut p = Performance::new(scene, gesture)?;
         if let Some(name) = p.driven().into_iter().find(|name| scene.input(name).is_none()) {
@@ -242,14 +281,29 @@ impl Played {
         let frames = perform::frames(scene, perform::seconds(&p, seconds)) as usize;
         let n = scene.inputs.len();
         let hands = (0..n).map(|i| p.hand(i)).collect();
-        let mut given = Vec::with_capacity(frames * n);
-        if n > 0 {
-            for _ in 0..frames {
-                p.tick();
-                given.extend_from_slice(&p.state.input);
+        let mut given = zeros(frames, n, 1)?;
+        for (row, tick) in given.chunks_exact_mut(n.max(1)).zip(1_u64..) {
+            p.tick();
+            row.copy_from_slice(&p.state.input);
+            if tick.is_multiple_of(BLOCK) && !goes_on() {
+                return Err(Error::Stopped);
             }
         }
         Ok(Played { frames, given, hands })
+    }
+}
+
+/// A table of so many frames, outputs and numbers, all 0.
+fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
+    let (n, mut all) = (frames.checked_mul(outputs).and_then(|n| n.checked_mul(each)), Vec::new());
+    match n.filter(|n| all.try_reserve_exact(*n).is_ok()) {
+        Some(n) => {
+            all.resize(n, 0.0);
+            Ok(all)
+        }
+        None => Err(Error::refused(format!(
+            "{frames} samples with {each} numbers for each of {outputs} outputs do not fit into memory; play less, or ask for a gradient"
+        ))),
     }
 }
 

@@ -21,7 +21,7 @@
 //!
 //! let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
 //! let forward = Forward::new(&Loaded::read(text, "bar.ca.toml"), &Options::default(), &["bar.f", "bar.dx0"]).unwrap();
-//! let heard = forward.tangents(Some(0.01), None).unwrap();
+//! let heard = forward.tangents(Some(0.01), None, &mut || true).unwrap();
 //! assert_eq!((heard.frames, heard.outputs, heard.parameters.len()), (480, 1, 2));
 //! // twice as far is twice as loud
 //! let (now, by_dx0) = (heard.output[7], heard.tangents[7 * 2 + 1]);
@@ -35,5 +35,5 @@ mod forward;
 mod parameter;
 
 pub use error::Error;
-pub use forward::{Forward, Tangents};
+pub use forward::{Forward, GoesOn, Tangents};
 pub use parameter::Parameter;

@@ -36,6 +36,11 @@ impl Parameter {
             }
             (Some(_), _) => return Err(Error::refused(format!("`{name}`: `{whole}` is no list"))),
         };
+        if matches!(value, Value::List(_)) && index.is_some() {
+            return Err(Error::refused(format!(
+                "`{name}` is a list in a list, by whose numbers there are no derivatives"
+            )));
+        }
         if matches!(value, Value::List(_)) {
             return Err(Error::refused(format!("`{name}` is a list; name one of its numbers, e.g. `{name}[0]`")));
         }

@@ -23,7 +23,7 @@ pub fn read(text: &str) -> Loaded {
 pub fn tangents(loaded: &Loaded, ticks: usize, wrt: &[&str]) -> Tangents {
     let text = cordis_anima::ca_model::write::write(&loaded.model);
     let forward = Forward::new(loaded, &Options::default(), wrt).unwrap_or_else(|e| panic!("{text}\n{e}"));
-    forward.tangents(Some(ticks as f64 / forward.rate()), None).unwrap_or_else(|e| panic!("{text}\n{e}"))
+    forward.tangents(Some(ticks as f64 / forward.rate()), None, &mut || true).unwrap_or_else(|e| panic!("{text}\n{e}"))
 }
 
 /// The model with a parameter, or one number of a list, at `value`.

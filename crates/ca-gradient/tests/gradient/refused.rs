@@ -64,13 +64,13 @@ fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
     let forward = Forward::new(&loaded, &Options::default(), &names).expect("derivatives");
     // of the sum of squares
     let cotangent: Vec<f64> = t.output.iter().map(|y| 2.0 * y).collect();
-    let gradient = forward.gradient(&cotangent, None).expect("a gradient");
+    let gradient = forward.gradient(&cotangent, None, &mut || true).expect("a gradient");
     for (k, g) in gradient.iter().enumerate() {
         let sum: f64 = cotangent.iter().zip(t.tangents.iter().skip(k).step_by(3)).map(|(c, d)| c * d).sum();
         assert!((g - sum).abs() <= 1e-12 * sum.abs(), "{g} {sum}");
     }
-    assert_eq!(forward.output(Some(800.0 / 48_000.0), None).expect("a render"), t.output);
-    assert!(forward.gradient(&[], None).is_err());
+    assert_eq!(forward.output(Some(800.0 / 48_000.0), None, &mut || true).expect("a render"), t.output);
+    assert!(forward.gradient(&[], None, &mut || true).is_err());
 }
 
 #[test]
@@ -81,4 +81,15 @@ fn groups_at_the_gesture_rate_and_driven_parameters_are_refused() {
     let driven = "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'bar' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\n";
     let said = refused(driven, "bar.m");
     assert!(said.contains("`force` is driven by the port `hand`"), "{said}");
+}
+
+/// A number of a gesture changes what ports are given, of which there is no derivative: 0 would be believed.
+#[test]
+fn what_moves_a_gesture_is_refused() {
+    let text = "[param]\ndeep = '5 mm'\n[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '0.2 s' }\n[ENX]\nkey = {}\n[REF]\npress = { between = ['key', 'bar'], k = '100 N/m', z = 0 }\n[gesture]\nkey = { sine = 'deep', f = '5 Hz', to = 4 }\n[SOX]\nout = { from = 'bar', gain = 50 }\n";
+    assert_eq!(
+        refused(text, "deep"),
+        "`deep` moves a gesture of the model, and what ports are given is not differentiated"
+    );
+    assert!(tangents(&read(text), 500, &["press.k"]).tangents.iter().any(|t| *t != 0.0));
 }
