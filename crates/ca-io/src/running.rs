@@ -7,7 +7,7 @@
 use crate::perform::DIVERGED;
 use crate::sound::Level;
 use ca_core::live::Controls;
-use ca_core::state::NotRestored;
+use ca_core::state::{NotRestored, checksum};
 use ca_core::{Scene, State, compute_forces, integrate};
 
 /// Samples between two looks at whether it has diverged.
@@ -88,6 +88,8 @@ impl Running {
         let counts = [*clipped, *beyond, *non_finite, u64::from(self.diverged)];
         let mut bytes = self.state.to_bytes();
         values.chain(counts).for_each(|v| bytes.extend(v.to_le_bytes()));
+        let sum = checksum(&bytes);
+        bytes.extend(sum.to_le_bytes());
         bytes
     }
 
@@ -99,8 +101,13 @@ impl Running {
         let mut restored = Running::new(scene);
         let params = restored.controls.params().len();
         let beside = 8 * (params + restored.level.peak.len() + 4);
-        let (state, beside) = bytes.split_at(bytes.len().saturating_sub(beside));
+        let (whole, sum) = bytes.split_at(bytes.len().saturating_sub(8));
+        let (state, beside) = whole.split_at(whole.len().saturating_sub(beside));
+        // what is of another scene says so before anything else
         restored.state.restore(state)?;
+        if sum.first_chunk().map(|w| u64::from_le_bytes(*w)) != Some(checksum(whole)) {
+            return Err(NotRestored::Damaged);
+        }
         let mut words = beside.as_chunks::<8>().0.iter().map(|w| u64::from_le_bytes(*w));
         let mut next = || words.next().ok_or(NotRestored::Damaged);
         let mut patch = ca_core::live::Patch::default();

@@ -12,7 +12,7 @@ use ca_model::part::instances;
 use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
 use ca_model::suggest::nearest;
-use ca_model::{Entry, Item, Model, Span, Value, read};
+use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
 use cordis_anima::loaded;
 pub use cordis_anima::loaded::stem;
 pub use cordis_anima::{Loaded, catalog};
@@ -148,7 +148,7 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
             _ => model.items.iter().find(|i| i.name == owner).and_then(|i| keys(i)),
         };
         if let Some(keys) = known {
-            if !keys.contains(&key) {
+            if !keys.contains(&in_list(key).0) {
                 let meant = nearest(key, keys.iter().copied());
                 let hint = meant.map_or_else(
                     || format!("it has {}", ticked(keys.iter().copied())),

@@ -46,7 +46,7 @@ mod syntax;
 pub mod write;
 
 use ca_core::Catalog;
-pub use model::{Entry, Group, Item, LARGEST, Model, Span, Value};
+pub use model::{Entry, Group, Item, LARGEST, Model, Span, Value, in_list};
 
 /// The kinds a model is written with: those of the run-time, and the generators. Kinds of other crates join them by
 /// [`Catalog::with`].

@@ -3,6 +3,8 @@
 //! Decides that all of it stands in one file, parts included: a part holds a model of its own, and a model holds parts. What
 //! reads, writes or changes models stands above.
 
+use crate::quantity;
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
@@ -203,6 +205,7 @@ impl Model {
     pub fn put(&mut self, name: &str, value: Value) -> bool {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
             if let Value::Table(entries) = &mut e.value {
+                let value = in_its_unit(entries, value);
                 entries.retain(|x| x.key != "value");
                 entries.push(Entry::new("value", value));
             } else {
@@ -218,6 +221,13 @@ impl Model {
             return true;
         }
         let Some(item) = self.items.iter_mut().find(|i| i.name == owner) else { return false };
+        if let (whole, Some(at)) = in_list(key) {
+            let list = item.args.iter_mut().find(|e| e.key == whole).map(|e| &mut e.value);
+            let Some(Value::List(list)) = list else { return false };
+            let Some(e) = list.get_mut(at) else { return false };
+            (e.value, e.span) = (value, Span::NONE);
+            return true;
+        }
         match item.args.iter_mut().find(|e| e.key == key) {
             Some(e) => (e.value, e.span) = (value, Span::NONE),
             None => item.args.push(Entry::new(key, value)),
@@ -237,6 +247,29 @@ impl Model {
             _ => "",
         }
     }
+}
+
+/// `f[1]` → `f` and 1: one value of a list.
+pub fn in_list(key: &str) -> (&str, Option<usize>) {
+    match key.strip_suffix(']').and_then(|k| k.split_once('[')) {
+        Some((whole, at)) => at.parse().map_or((key, None), |at| (whole, Some(at))),
+        None => (key, None),
+    }
+}
+
+/// A bare number for a parameter that is written in a unit is one of SI: its range has that unit, too.
+fn in_its_unit(written: &[Entry], value: Value) -> Value {
+    let Value::Num(v) = value else { return value };
+    let unit = |e: &Entry| match &e.value {
+        Value::Text(t) if e.key != "doc" => {
+            quantity::parse(t).ok().filter(|q| q.has_unit).map(|q| quantity::unit_of(q.dim))
+        }
+        _ => None,
+    };
+    if written.iter().any(|e| e.key == "unit") {
+        return value;
+    }
+    written.iter().find_map(unit).map_or(value, |unit| Value::Text(format!("{v:e} {unit}")))
 }
 
 /// `[part.NAME]`, as written.

@@ -86,8 +86,10 @@ impl Voice {
     /// the value that it goes to. NaN, or one that the scene cannot be computed with, leaves it as it was.
     pub fn set(&mut self, param: Param, value: f64, over: u32) -> f64 {
         let Some(p) = self.running.controls.params().get(param.0) else { return f64::NAN };
-        let (was, value) = (p.value, value.max(p.min).min(p.max));
-        if value.is_nan() || self.running.controls.turn(param.0, value, &mut self.patch).is_err() {
+        // a NaN would be the lower end
+        let (was, asked) = (p.value, value);
+        let value = asked.max(p.min).min(p.max);
+        if asked.is_nan() || self.running.controls.turn(param.0, value, &mut self.patch).is_err() {
             return was;
         }
         self.running.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
@@ -95,7 +97,8 @@ impl Voice {
     }
 
     /// Takes a change that another thread computed, over so many samples; false where it is of another scene. What
-    /// [`Voice::params`] says does not follow.
+    /// [`Voice::params`] says does not follow, and a later [`Voice::set`] of any parameter goes by that: a voice is given its values
+    /// in one of the two ways.
     pub fn apply(&mut self, patch: &Patch, over: u32) -> bool {
         self.running.state.apply(patch, over.saturating_mul(self.scene.oversample()))
     }

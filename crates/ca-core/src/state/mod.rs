@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use core::hash::Hasher;
 pub use ledger::{Balance, Exchange, Ledger};
 #[cfg(not(dual))]
-pub use snapshot::{NotRestored, SNAPSHOT_VERSION};
+pub use snapshot::{NotRestored, SNAPSHOT_VERSION, checksum};
 
 /// Nodes and weights under a moving point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

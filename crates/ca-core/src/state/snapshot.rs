@@ -348,7 +348,8 @@ impl Words for Counter {
     }
 }
 
-fn checksum(bytes: &[u8]) -> u64 {
+/// FNV-1a of bytes: not against who wants to deceive, but against what is cut off or changed.
+pub fn checksum(bytes: &[u8]) -> u64 {
     let mut h = fnv::FnvHasher::default();
     h.write(bytes);
     h.finish()
