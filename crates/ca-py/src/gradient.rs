@@ -3,7 +3,8 @@
 use crate::error;
 use crate::gesture::Gesture;
 use crate::measure::table;
-use ca_gradient::Error;
+use crate::wait::Wait;
+use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
 use ca_lab::load::Loaded;
 use numpy::{
@@ -22,7 +23,16 @@ fn failure(py: Python, e: Error) -> PyErr {
         Error::Refused(what) => error::usage(py, &what),
         Error::Model(found) => error::failure(py, Failure::Found(found)),
         Error::Gesture(e) => error::gesture(py, &e),
+        Error::Stopped => error::failure(py, Failure::Stopped),
     }
+}
+
+/// A call without the lock of the interpreter, which a signal ends.
+fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + Send) -> PyResult<R> {
+    let mut wait = Wait::new(None);
+    let done = py.detach(|| call(&mut || wait.goes_on(0, 1)));
+    wait.error.map_or(Ok(()), Err)?;
+    done.map_err(|e| failure(py, e))
 }
 
 impl Forward {
@@ -50,7 +60,7 @@ impl Forward {
         gesture: Option<&Gesture>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let gesture = gesture.map(|g| &g.gesture);
-        let all = py.detach(|| self.0.output(seconds, gesture)).map_err(|e| failure(py, e))?;
+        let all = waiting(py, |goes_on| self.0.output(seconds, gesture, goes_on))?;
         let channels = self.0.outputs();
         let frames = all.len() / channels.max(1);
         table(py, all, frames, channels)
@@ -65,7 +75,7 @@ impl Forward {
         gesture: Option<&Gesture>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
         let gesture = gesture.map(|g| &g.gesture);
-        let t = py.detach(|| self.0.tangents(seconds, gesture)).map_err(|e| failure(py, e))?;
+        let t = waiting(py, |goes_on| self.0.tangents(seconds, gesture, goes_on))?;
         let shape = [t.frames, t.outputs, t.parameters.len()];
         let audio = table(py, t.output, t.frames, t.outputs)?;
         Ok((audio, t.tangents.into_pyarray(py).reshape(shape)?))
@@ -83,8 +93,13 @@ impl Forward {
             let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
             return Err(error::usage(py, &what));
         }
-        let (gesture, all) = (gesture.map(|g| &g.gesture), cotangent.as_array().iter().copied().collect::<Vec<f64>>());
-        let found = py.detach(|| self.0.gradient(&all, gesture)).map_err(|e| failure(py, e))?;
+        let mut all: Vec<f64> = Vec::new();
+        if all.try_reserve_exact(cotangent.len()).is_err() {
+            return Err(error::usage(py, "the cotangent does not fit into memory; play less"));
+        }
+        all.extend(cotangent.as_array().iter());
+        let gesture = gesture.map(|g| &g.gesture);
+        let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
         Ok(found.into_pyarray(py))
     }
 }

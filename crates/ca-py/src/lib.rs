@@ -9,6 +9,7 @@
 // and what Python hands over comes by value
 #![allow(clippy::needless_pass_by_value)]
 
+mod batch;
 mod error;
 mod fit;
 mod gesture;
@@ -24,6 +25,8 @@ mod wait;
 /// See the package `cordis_anima`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
+    #[pymodule_export]
+    use crate::batch::play;
     #[pymodule_export]
     use crate::gesture::Gesture;
     #[pymodule_export]

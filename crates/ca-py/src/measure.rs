@@ -97,6 +97,7 @@ pub fn linear<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyRes
     d.set_item("tick", network.tick_dt)?;
     let dofs = |f: &dyn Fn(&Dof) -> f64| linear.dofs.iter().map(f).collect::<Vec<f64>>().into_pyarray(py);
     d.set_item("mobility", dofs(&|p| p.c))?;
+    d.set_item("constant", network.constant.clone().into_pyarray(py))?;
     d.set_item("own_k", dofs(&|p| p.k))?;
     d.set_item("own_z", dofs(&|p| p.z))?;
     d.set_item("own_implicit", dofs(&|p| p.implicit))?;

@@ -12,10 +12,10 @@ use ca_io::gesture::PortMap;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
 use ca_lab::load::{self, Loaded};
-use ca_lab::play::{self, BLOCK, Divergence};
+use ca_lab::play::{self, BLOCK, Divergence, Sample};
 use ca_lab::{Failure, bytes, view};
 use ca_model::diag::Diags;
-use numpy::IntoPyArray as _;
+use numpy::{Element, IntoPyArray as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -36,11 +36,76 @@ impl Scene {
     pub fn new(Compiled { scene, findings, .. }: Compiled, loaded: Loaded, options: Options) -> Scene {
         Scene { compiled: Arc::new(scene), found: findings, loaded, options }
     }
+
+    /// What it was compiled from, and how.
+    pub fn source(&self) -> (&Loaded, &Options) {
+        (&self.loaded, &self.options)
+    }
+
+    fn rendered<'py, S: Sample + Element>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
+        let performance = Performance::new(scene, gesture).map_err(|e| error::gesture(py, &e))?;
+        let frames = play::frames(scene, play::seconds(&performance, seconds));
+        let (channels, n_out) = (scene.channels, scene.n_out);
+        let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
+        let mut heard = Heard::<S> { audio: Vec::new(), probes: Vec::new(), level: Level::new(channels) };
+        let fits = |n: Option<usize>, reserve: &mut dyn FnMut(usize) -> bool| n.is_some_and(reserve);
+        if !fits(room(channels), &mut |n| heard.audio.try_reserve_exact(n).is_ok())
+            || !fits(room(n_out - channels), &mut |n| heard.probes.try_reserve_exact(n).is_ok())
+        {
+            return Err(usage(py, &format!("{frames} samples do not fit into memory; render less, or stream it")));
+        }
+        let mut wait = Wait::new(progress);
+        let played = py.detach(|| {
+            play::play(performance, frames, BLOCK, &mut |_, rows, done| {
+                let (width, first) = (n_out.max(1), heard.audio.len());
+                heard.audio.resize(first + rows.len() / width * channels, S::default());
+                heard.level.keep_rows(rows, width, &mut heard.audio[first..]);
+                if n_out > channels {
+                    rows.chunks_exact(width).for_each(|row| heard.probes.extend_from_slice(&row[channels..]));
+                }
+                if wait.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
+            })
+        });
+        let played = match (wait.error, played) {
+            (Some(e), _) => return Err(e),
+            (None, played) => played.map_err(|e| failure(py, e))?,
+        };
+        let divergence = py.detach(|| {
+            played.diverged_at?;
+            let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
+            let audited = load::compiled(&self.loaded, &options).0;
+            Divergence::of(&played, audited.as_ref().unwrap_or(scene), &self.found, gesture)
+        });
+        let d = PyDict::new(py);
+        d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
+        d.set_item("probes", table(py, heard.probes, frames as usize, n_out - channels)?)?;
+        d.set_item("probe_names", scene.probe_names.clone())?;
+        d.set_item("probe_of", scene.probe_of.clone())?;
+        let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
+        d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
+        d.set_item("peak", heard.level.peak.into_pyarray(py))?;
+        d.set_item("clipped", heard.level.clipped)?;
+        d.set_item("non_finite", heard.level.non_finite)?;
+        d.set_item("refused", played.performance.state.refused)?;
+        d.set_item("run_time", played.wall.as_secs_f64())?;
+        d.set_item("broke", divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
+        if let Some(ledger) = &played.energy {
+            d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
+        }
+        Ok(d)
+    }
 }
 
 /// What a render is, while it goes on.
-struct Heard {
-    audio: Vec<f32>,
+struct Heard<S> {
+    audio: Vec<S>,
     probes: Vec<f64>,
     level: Level,
 }
@@ -121,65 +186,18 @@ impl Scene {
         Ok(d)
     }
 
-    /// Plays it: see `cordis_anima.Scene.render`.
-    #[pyo3(signature = (seconds, gesture, progress))]
+    /// Plays it: see `cordis_anima.Scene.render`; `double` says how samples are kept.
+    #[pyo3(signature = (seconds, gesture, double, progress))]
     fn render<'py>(
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
         gesture: Option<&Gesture>,
+        double: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
-        let performance = Performance::new(scene, gesture).map_err(|e| error::gesture(py, &e))?;
-        let frames = play::frames(scene, play::seconds(&performance, seconds));
-        let (channels, n_out) = (scene.channels, scene.n_out);
-        let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
-        let mut heard = Heard { audio: Vec::new(), probes: Vec::new(), level: Level::new(channels) };
-        let fits = |n: Option<usize>, reserve: &mut dyn FnMut(usize) -> bool| n.is_some_and(reserve);
-        if !fits(room(channels), &mut |n| heard.audio.try_reserve_exact(n).is_ok())
-            || !fits(room(n_out - channels), &mut |n| heard.probes.try_reserve_exact(n).is_ok())
-        {
-            return Err(usage(py, &format!("{frames} samples do not fit into memory; render less, or stream it")));
-        }
-        let mut wait = Wait::new(progress);
-        let played = py.detach(|| {
-            play::play(performance, frames, BLOCK, &mut |_, rows, done| {
-                for row in rows.chunks_exact(n_out.max(1)) {
-                    let (sound, probes) = row.split_at(channels);
-                    heard.audio.extend(sound.iter().enumerate().map(|(k, x)| heard.level.keep(k, *x) as f32));
-                    heard.probes.extend_from_slice(probes);
-                }
-                if wait.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
-            })
-        });
-        let played = match (wait.error, played) {
-            (Some(e), _) => return Err(e),
-            (None, played) => played.map_err(|e| failure(py, e))?,
-        };
-        let divergence = py.detach(|| {
-            played.diverged_at?;
-            let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
-            let audited = load::compiled(&self.loaded, &options).0;
-            Divergence::of(&played, audited.as_ref().unwrap_or(scene), &self.found, gesture)
-        });
-        let d = PyDict::new(py);
-        d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
-        d.set_item("probes", table(py, heard.probes, frames as usize, n_out - channels)?)?;
-        d.set_item("probe_names", scene.probe_names.clone())?;
-        d.set_item("probe_of", scene.probe_of.clone())?;
-        let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
-        d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
-        d.set_item("peak", heard.level.peak.into_pyarray(py))?;
-        d.set_item("clipped", heard.level.clipped)?;
-        d.set_item("non_finite", heard.level.non_finite)?;
-        d.set_item("refused", played.performance.state.refused)?;
-        d.set_item("run_time", played.wall.as_secs_f64())?;
-        d.set_item("broke", divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
-        if let Some(ledger) = &played.energy {
-            d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
-        }
-        Ok(d)
+        let run = if double { Scene::rendered::<f64> } else { Scene::rendered::<f32> };
+        run(self, py, seconds, gesture, progress)
     }
 
     /// With derivatives by parameters of these names.

@@ -7,7 +7,8 @@ use crate::error::{failure, usage};
 use crate::wait::Wait;
 use ca_io::running::Running;
 use ca_lab::Failure;
-use numpy::{PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
+use ca_lab::play::Sample;
+use numpy::{Element, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -36,42 +37,12 @@ impl Sim {
     fn with<R: Send>(&self, py: Python, f: impl FnOnce(&mut Running) -> R + Send) -> R {
         py.detach(|| f(&mut self.running.lock().unwrap_or_else(PoisonError::into_inner)))
     }
-}
 
-#[pymethods]
-impl Sim {
-    /// Names of the ports whose forces are reported.
-    #[getter]
-    fn ports(&self) -> Vec<&str> {
-        self.ports.iter().map(|input| self.scene.inputs[*input].name.as_str()).collect()
-    }
-
-    /// Samples so far.
-    #[getter]
-    fn tick(&self, py: Python) -> u64 {
-        self.with(py, |r| r.state.tick)
-    }
-
-    /// True once it has diverged: silence from there on.
-    #[getter]
-    fn diverged(&self, py: Python) -> bool {
-        self.with(py, |r| r.diverged)
-    }
-
-    /// Samples cut off at full scale, samples without a value, inputs without a value.
-    #[getter]
-    fn counts(&self, py: Python) -> (u64, u64, u64) {
-        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.state.refused))
-    }
-
-    /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
-    /// them; `forces` (n x ports) and `probes` (n x probes) are filled where they are given.
-    #[pyo3(signature = (inputs, audio, forces=None, probes=None))]
-    fn step(
+    fn filled<S: Sample + Element>(
         &self,
         py: Python,
         inputs: PyReadonlyArray2<f64>,
-        mut audio: PyReadwriteArray2<f32>,
+        mut audio: PyReadwriteArray2<S>,
         mut forces: Option<PyReadwriteArray2<f64>>,
         mut probes: Option<PyReadwriteArray2<f64>>,
     ) -> PyResult<()> {
@@ -107,7 +78,7 @@ impl Sim {
                 r.sense(scene);
                 if let Some(audio) = &mut audio {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                        *to = r.level.keep(k, r.state.output[k]) as f32;
+                        *to = S::of(r.level.keep(k, r.state.output[k]));
                     }
                 }
                 if let Some(probes) = &mut probes {
@@ -122,6 +93,57 @@ impl Sim {
             }
         });
         wait.error.map_or(Ok(()), Err)
+    }
+}
+
+/// Where sound is written: an array in single or double precision.
+#[derive(FromPyObject)]
+enum Audio<'py> {
+    Single(PyReadwriteArray2<'py, f32>),
+    Double(PyReadwriteArray2<'py, f64>),
+}
+
+#[pymethods]
+impl Sim {
+    /// Names of the ports whose forces are reported.
+    #[getter]
+    fn ports(&self) -> Vec<&str> {
+        self.ports.iter().map(|input| self.scene.inputs[*input].name.as_str()).collect()
+    }
+
+    /// Samples so far.
+    #[getter]
+    fn tick(&self, py: Python) -> u64 {
+        self.with(py, |r| r.state.tick)
+    }
+
+    /// True once it has diverged: silence from there on.
+    #[getter]
+    fn diverged(&self, py: Python) -> bool {
+        self.with(py, |r| r.diverged)
+    }
+
+    /// Samples cut off at full scale, samples without a value, inputs without a value.
+    #[getter]
+    fn counts(&self, py: Python) -> (u64, u64, u64) {
+        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.state.refused))
+    }
+
+    /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
+    /// them; `forces` (n x ports) and `probes` (n x probes) are filled where they are given.
+    #[pyo3(signature = (inputs, audio, forces=None, probes=None))]
+    fn step(
+        &self,
+        py: Python,
+        inputs: PyReadonlyArray2<f64>,
+        audio: Audio,
+        forces: Option<PyReadwriteArray2<f64>>,
+        probes: Option<PyReadwriteArray2<f64>>,
+    ) -> PyResult<()> {
+        match audio {
+            Audio::Single(audio) => self.filled(py, inputs, audio, forces, probes),
+            Audio::Double(audio) => self.filled(py, inputs, audio, forces, probes),
+        }
     }
 
     /// Starts to move a live parameter, over so many samples.

@@ -5,8 +5,8 @@
 >>> r.audio.shape, r.sr
 ((96000, 2), 48000)
 
-Sound is always ``(frames, channels)`` in float32, as `soundfile` and `sounddevice` want it; values are in SI units; what
-is wrong with a model is raised as `ModelError`, shown where it stands.
+Sound is always ``(frames, channels)``, in float32, as `soundfile` and `sounddevice` want it, unless `dtype` says otherwise;
+values are in SI units; what is wrong with a model is raised as `ModelError`, shown where it stands.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from . import _core, examples
+from ._batch import Batch, batch
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._fit import Beyond, Distance, Fit, Fitted, fit
 from ._gestures import Curve, Gesture
 from ._gradient import Gradient, Tangents
 from ._linear import Linear, Rollout
 from ._measured import Progress
+from ._mode_derivatives import ModeDerivatives
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render
@@ -36,6 +38,7 @@ __version__: str = _core.VERSION
 
 __all__ = [
     "Accuracy",
+    "Batch",
     "Beyond",
     "Block",
     "CaError",
@@ -57,6 +60,7 @@ __all__ = [
     "Kind",
     "Linear",
     "MissingError",
+    "ModeDerivatives",
     "Model",
     "ModelError",
     "Modes",
@@ -78,6 +82,7 @@ __all__ = [
     "UsageError",
     "Verdict",
     "View",
+    "batch",
     "examples",
     "fit",
     "kinds",

@@ -12,6 +12,15 @@ VERSION: str
 def bundled() -> list[str]: ...
 def parts() -> list[tuple[str, str]]: ...
 def quantity(name: str, text: str, unit: str) -> float: ...
+def batch(
+    scene: Scene,
+    values: Sequence[tuple[str, Sequence[Any]]],
+    seconds: float | None,
+    gesture: Gesture | None,
+    double: bool,
+    threads: int,
+    progress: Callable[[int, int], object] | None,
+) -> dict[str, Any]: ...
 def kinds() -> list[tuple[str, str, str, str, list[tuple[str, str, str]]]]: ...
 @final
 class Model:
@@ -101,7 +110,7 @@ class Scene:
     def findings(self) -> tuple[str, str]: ...
     def certificate(self) -> dict[str, Any]: ...
     def render(
-        self, seconds: float | None, gesture: Gesture | None, progress: Callable[[int, int], object] | None
+        self, seconds: float | None, gesture: Gesture | None, double: bool, progress: Callable[[int, int], object] | None
     ) -> dict[str, Any]: ...
     def view(
         self, seconds: float | None, gesture: Gesture | None, progress: Callable[[int, int], object] | None
@@ -148,7 +157,7 @@ class Sim:
     def step(
         self,
         inputs: npt.NDArray[np.float64],
-        audio: npt.NDArray[np.float32],
+        audio: npt.NDArray[np.floating[Any]],
         forces: npt.NDArray[np.float64] | None = None,
         probes: npt.NDArray[np.float64] | None = None,
     ) -> None: ...

@@ -18,8 +18,8 @@ Path = Union[str, "os.PathLike[str]"]
 #: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
 #: the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
 Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
-#: curves by what they drive, or a file whose tracks are called by it
-Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", None]
+#: curves by what they drive, or a file whose tracks are called by it; or one that was made before
+Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", _core.Gesture, None]
 
 
 def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
@@ -29,8 +29,8 @@ def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
         UsageError: values or a shape that make no sense.
         FileError: a file that cannot be read.
     """
-    if gesture is None:
-        return None
+    if gesture is None or isinstance(gesture, _core.Gesture):
+        return gesture
     if isinstance(gesture, (str, os.PathLike)):
         return _file(scene, gesture, None, None)
     if not isinstance(gesture, Mapping):

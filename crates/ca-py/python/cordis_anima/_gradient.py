@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,13 +12,13 @@ import numpy.typing as npt
 from . import _core
 from ._errors import UsageError
 from ._gestures import Gesture, made
-from ._results import Floats, length
+from ._results import Floats, length, reals
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Tangents:
     """A sound with its derivatives.
 
@@ -47,7 +48,7 @@ class Tangents:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Gradient:
     """A gradient of a loss.
 
@@ -77,13 +78,25 @@ def _place(names: Sequence[str], name: str) -> int:
 
 
 def _cotangent(given: npt.ArrayLike, shape: tuple[int, ...] | None) -> Floats:
-    values = np.asarray(given, float)
+    values = reals("cotangent", given)
     if values.ndim == 1:
         values = values[:, np.newaxis]
     if values.ndim != 2 or (shape is not None and values.shape != shape):
         wanted = "(frames, channels)" if shape is None else str(shape)
         raise UsageError(f"the cotangent has the shape {np.shape(given)}: {wanted}")
     return np.ascontiguousarray(values)
+
+
+def named(wrt: object) -> list[str]:
+    """Names of parameters, at least one.
+
+    Raises:
+        UsageError: they are none.
+    """
+    names: list[Any] = [wrt] if isinstance(wrt, str) or not isinstance(wrt, Iterable) else list(wrt)
+    if not names or not all(isinstance(name, str) for name in names):
+        raise UsageError("`wrt` names no parameter" if not names else f"wrt = {wrt!r}: names of parameters, e.g. [\"low.f\"]")
+    return names
 
 
 def _about(forward: _core.Forward) -> tuple[tuple[str, ...], Floats, tuple[str, ...]]:
@@ -155,18 +168,20 @@ class Derivatives:
         value = None
         if loss is not None:
             audio = forward.audio(seconds, driven)
-            value, of = loss(audio)
+            if not callable(loss):
+                raise UsageError("a loss is called with the sound, and gives its value and its derivatives by each sample")
+            found = loss(audio)
+            if not isinstance(found, tuple) or len(found) != 2:
+                raise UsageError(f"a loss gives two things, its value and its derivatives by each sample, not {type(found).__name__}")
+            value, of = found
             given = _cotangent(of, audio.shape)
         elif cotangent is not None:
             given = _cotangent(cotangent, None)
         else:
             raise UsageError("a gradient is that of a `loss`, or goes by a `cotangent`; `tangents` has all derivatives")
         names, values, units = _about(forward)
-        found = forward.gradient(given, driven)
-        return Gradient(None if value is None else float(value), gradient=found, wrt=names, values=values, units=units)
+        slopes = forward.gradient(given, driven)
+        return Gradient(None if value is None else float(value), gradient=slopes, wrt=names, values=values, units=units)
 
     def _forward(self, wrt: Sequence[str]) -> _core.Forward:
-        names = [wrt] if isinstance(wrt, str) else list(wrt)
-        if not names:
-            raise UsageError("`wrt` names no parameter")
-        return self._compiled.forward(names)
+        return self._compiled.forward(named(wrt))

@@ -19,7 +19,9 @@ class Linear:
 
     With x the displacements, d the motion of the last tick and F forces, a tick solves::
 
-        (M / T² + N) u = F − K x − Z d / T,    d ← d + u,    x ← x + d
+        (M / T² + N) u = F + C − K x − Z d / T,    d ← d + u,    x ← x + d
+
+    with C the `constant` forces of weight and of springs that are not at their rest length
 
     where the coefficients are those that the scene computes with, so `tick` is that of the scene to rounding. What is not linear is
     not in it; `left_out` names it, and `acts` says where its forces go.
@@ -54,6 +56,8 @@ class Linear:
     #: stiffness [N/m] and viscosity [N s/m] between places and driven places (places, driven)
     K_driven: Any
     Z_driven: Any
+    #: force on each place that nothing changes [N]: weight, and springs whose rest length is not what they measure at rest
+    constant: Floats
     #: names and places of force ports (ports, places): weights of a force
     pushes: tuple[tuple[str, ...], Any]
     #: names and places of outputs that hear displacement, before their gain (outputs, places)
@@ -111,6 +115,7 @@ class Linear:
             N=between(raw["link_implicit"], raw["own_implicit"]),
             K_driven=across(k),
             Z_driven=across(T * z),
+            constant=raw["constant"],
             pushes=named(raw["pushes"]),
             hears=named(raw["hears"]),
             acts=named(raw["acts"]),
@@ -139,7 +144,7 @@ class Linear:
         Args:
             x: displacements [m] (places,), or of several states side by side (places, states).
             d: motion in the tick before [m], alike; at load `Linear.d`.
-            force: force on each place [N].
+            force: force on each place [N], besides `constant`.
             driven: displacement of each driven place [m], and its motion in this tick [m].
 
         Raises:
@@ -152,7 +157,7 @@ class Linear:
         shape = (len(self.driven), *at.shape[1:])
         port, moves = (np.broadcast_to(np.asarray(v, dtype=np.float64), shape) for v in driven)
         pull = self.K @ at + self.Z @ motion / self.T + self.K_driven @ port + self.Z_driven @ moves / self.T
-        total: Floats = np.asarray(force, dtype=np.float64) - pull
+        total: Floats = np.asarray(force, dtype=np.float64) + (self.constant if at.ndim == 1 else self.constant[:, None]) - pull
         if self.N.count_nonzero():
             solve: Any = import_module("scipy.sparse.linalg").spsolve
             more: Floats = np.asarray(solve((self.M / self.T**2 + self.N).tocsc(), total)).reshape(at.shape)

@@ -7,7 +7,9 @@ from typing import Any
 
 from . import _core
 from ._errors import UsageError
+from ._gradient import named
 from ._linear import Linear
+from ._mode_derivatives import ModeDerivatives, derivatives
 from ._results import Accuracy, Modes, number
 
 #: called with what is done and how much there is; an exception ends the call
@@ -18,6 +20,7 @@ class Measured:
     """The part of `Scene` that measures."""
 
     __slots__ = ()
+    _compiled: _core.Scene
     _model: _core.Model
     _asked: tuple[float | None, bool]
 
@@ -30,7 +33,16 @@ class Measured:
         (True, True)
         """
         raw = self._model.modes(self._asked[0])
-        return Modes(**_frozen(raw))
+        return Modes(**_frozen(raw), _derivative=lambda wrt: self._of_modes(raw, wrt))
+
+    def _of_modes(self, raw: Mapping[str, Any], wrt: Sequence[str]) -> ModeDerivatives:
+        def moved(name: str, value: float, unit: str) -> Linear:
+            model = self._model.copy()
+            model.set(name, f"{value!r} {unit}" if unit else value)
+            return Linear._of(model.linear(self._asked[0]))
+
+        parameters = self._compiled.forward(named(wrt)).parameters
+        return derivatives(self.linear(), (raw["heard"], raw["t60"], raw["shapes"]), parameters, moved)
 
     def linear(self) -> Linear:
         """The linear part of the scene at load as sparse matrices, and a tick made of them. Needs SciPy: ``pip install

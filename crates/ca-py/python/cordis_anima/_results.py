@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,8 +13,14 @@ import numpy.typing as npt
 from . import _core
 from ._errors import UsageError
 
+if TYPE_CHECKING:
+    from ._mode_derivatives import ModeDerivatives
+
 Floats = npt.NDArray[np.float64]
-Sound = npt.NDArray[np.float32]
+#: sound: float32, unless float64 was asked for
+Sound = npt.NDArray[np.floating[Any]]
+#: how samples are kept: ``"float32"``, ``"float64"`` or the types of NumPy
+DType = npt.DTypeLike
 Status = Literal["ok", "clipped", "unstable", "refused"]
 
 
@@ -137,6 +144,24 @@ class Modes:
     left_out: tuple[str, ...]
     #: whether damping that couples modes was left out
     approximate: bool
+    _derivative: Callable[[Sequence[str]], ModeDerivatives] = field(repr=False)
+
+    def derivative(self, wrt: Sequence[str]) -> ModeDerivatives:
+        """How frequencies and decays change with parameters, by the derivatives of the poles of the tick. Needs SciPy.
+
+        Args:
+            wrt: names as for `Scene.tangents`.
+
+        Raises:
+            UsageError: as `Scene.tangents`; also where a part of the scene is not computed by masses and springs.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.examples.string().modes()
+        >>> d = m.derivative(["low.f", "low.t60"])
+        >>> d.heard.shape == (len(m), 2), bool(abs(d.heard[1, 0] - 1) < 1e-3)
+        (True, True)
+        """
+        return self._derivative(wrt)
 
     def __len__(self) -> int:
         return len(self.f)
@@ -250,6 +275,32 @@ def number(name: str, given: object, unit: str) -> float:
         return float(given)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         raise UsageError(f'{name} = {given!r}: write a number, or "1.5 {unit}"') from None
+
+
+def whole(name: str, value: object, low: int, high: int) -> int:
+    """A whole number, of Python, NumPy or whoever has some."""
+    try:
+        number = operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        raise UsageError(f"{name} = {value!r}: a whole number is wanted") from None
+    if not low <= number <= high:
+        raise UsageError(f"{name} = {number}: {low} to {high}")
+    return number
+
+
+def is_double(dtype: DType) -> bool:
+    """Whether samples are kept in double precision.
+
+    Raises:
+        UsageError: they are kept as something else.
+    """
+    try:
+        asked = np.dtype(dtype)
+    except TypeError:
+        asked = np.dtype(object)
+    if dtype is None or asked not in (np.dtype(np.float32), np.dtype(np.float64)):
+        raise UsageError(f'dtype = {dtype!r}: "float32" or "float64"')
+    return asked == np.dtype(np.float64)
 
 
 def length(given: object) -> float:

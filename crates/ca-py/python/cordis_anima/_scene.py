@@ -16,7 +16,7 @@ from ._linear import Rollout
 from ._measured import Measured, Progress
 from ._probes import chosen, columns
 from ._render import Params, Render
-from ._results import Certificate, Param, Port, Status, length, number, value
+from ._results import Certificate, DType, Param, Port, Status, is_double, length, number, value
 from ._results import energy as _energy
 from ._play import Playing
 from ._sim import Sim
@@ -189,6 +189,7 @@ class Scene(Measured, Derivatives):
         probes: Sequence[str] = (),
         energy: bool = False,
         on_unstable: Literal["keep", "raise"] = "keep",
+        dtype: DType = "float32",
         progress: Progress | None = None,
     ) -> Render:
         """Plays the scene to its end. Other threads run meanwhile; Ctrl-C ends it.
@@ -201,6 +202,7 @@ class Scene(Measured, Derivatives):
             probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
             energy: keep the energy ledger; a little slower.
             on_unstable: ``"raise"`` for an `UnstableError` where it diverges; else silence from there on.
+            dtype: ``"float32"`` or, with all that the engine computes, ``"float64"``: how samples of the sound are kept.
             progress: called now and then with how many frames of how many are done.
 
         Raises:
@@ -220,7 +222,7 @@ class Scene(Measured, Derivatives):
             raise UsageError(f"on_unstable = {on_unstable!r}: \"keep\" or \"raise\"")
         probes = [probes] if isinstance(probes, str) else list(probes)
         core = self._listening(probes, energy)
-        raw = core.render(seconds, made(self._compiled, gesture), progress)
+        raw = core.render(seconds, made(self._compiled, gesture), is_double(dtype), progress)
         about = core.about()
         failed, message = None, ""
         if raw["broke"] is not None:
@@ -268,13 +270,16 @@ class Scene(Measured, Derivatives):
         inner = bool(index) and name.endswith(".link")
         return "N" if inner or any(item == name and kind in _FORCES for kind, item in self._model.items) else "m"
 
-    def open(self, *, block: int = 512, energy: bool = False, probes: Sequence[str] = ()) -> Sim:
+    def open(
+        self, *, block: int = 512, energy: bool = False, probes: Sequence[str] = (), dtype: DType = "float32"
+    ) -> Sim:
         """A running scene: block by block, or frame by frame with `block=1`. See `Sim`.
 
         Args:
             block: samples of a block where nothing says how many.
             energy: keep the energy ledger, to be read from `Sim.energy` at any time.
             probes: selectors to listen to besides, as for `render`; each block has them as `Block.probes`.
+            dtype: ``"float32"`` or ``"float64"``: how samples of the sound are kept.
 
         Raises:
             ModelError: a probe that chooses nothing.
@@ -286,7 +291,7 @@ class Scene(Measured, Derivatives):
         ((64, 2), (64, 1))
         """
         probes = [probes] if isinstance(probes, str) else list(probes)
-        return Sim(self._listening(probes, energy), block, probes)
+        return Sim(self._listening(probes, energy), block, probes, is_double(dtype))
 
     def _listening(self, probes: Sequence[str], energy: bool) -> _core.Scene:
         """The compiled scene, with probes and the ledger where somebody asks for them."""

@@ -96,7 +96,7 @@ class Sim:
     (True, True)
     """
 
-    def __init__(self, core: _core.Scene, block: int, probes: Sequence[str] = ()) -> None:
+    def __init__(self, core: _core.Scene, block: int, probes: Sequence[str] = (), double: bool = False) -> None:
         if block < 1:
             raise UsageError(f"block = {block}: at least one sample")
         about = core.about()
@@ -123,6 +123,7 @@ class Sim:
         # the columns of each selector
         self._probes = columns(of, probes)
         self._columns = len(names)
+        self._dtype = np.dtype(np.float64 if double else np.float32)
 
     @property
     def ports(self) -> tuple[str, ...]:
@@ -174,20 +175,20 @@ class Sim:
                 order of `Scene.inputs`. What is not given keeps its last value. Positions are absolute [m]; those of
                 device ports are read at the first sample of a gesture frame.
             n: how many samples; without, as many as `out` or `inputs` have, or a block.
-            out: float32 (n, channels), to be written into; no array is made then.
+            out: float32 or float64 (n, channels), to be written into; no array is made then.
             force: float64 (n, ports), the same for forces.
 
         Raises:
             UsageError: an unknown port, an array of the wrong shape.
         """
         if out is not None:
-            _writable("out", out, np.float32)
+            _writable("out", out, np.float32, np.float64)
         if force is not None:
             _writable("force", force, np.float64)
         if n is not None and n < 0:
             raise UsageError(f"n = {n}: at least no sample")
         given, n = self._given(inputs, n, out)
-        audio = np.empty((n, len(self.channels)), dtype=np.float32) if out is None else out
+        audio = np.empty((n, len(self.channels)), dtype=self._dtype) if out is None else out
         forces = np.empty((n, len(self._ports)), dtype=np.float64) if force is None else force
         heard = np.empty((n, self._columns), dtype=np.float64) if self._probes else None
         self._core.step(given, audio, forces, heard)
@@ -281,14 +282,15 @@ class Sim:
         return f"<Sim of {self._name!r} at {self.time:.3f} s, {self.status}>"
 
 
-def _writable(name: str, array: object, dtype: type[np.floating[Any]]) -> None:
+def _writable(name: str, array: object, *dtypes: type[np.floating[Any]]) -> None:
     """Refuses what samples cannot be written into one by one."""
-    good = isinstance(array, np.ndarray) and array.ndim == 2 and array.dtype == dtype
+    good = isinstance(array, np.ndarray) and array.ndim == 2 and array.dtype in dtypes
     good = good and array.flags.aligned and array.flags.writeable and array.dtype.isnative  # type: ignore[attr-defined]
     if good and array.size:  # type: ignore[attr-defined]
         (rows, columns), (down, along) = array.shape, array.strides  # type: ignore[attr-defined]
-        item = np.dtype(dtype).itemsize
+        item = array.itemsize  # type: ignore[attr-defined]
         apart = (columns == 1 or along >= item) and (rows == 1 or down >= (columns - 1) * abs(along) + item)
         good = apart and along % item == 0 and down % item == 0
     if not good:
-        raise UsageError(f"`{name}` must be a writable array (n, …) of {np.dtype(dtype).name}, row after row")
+        wanted = " or ".join(np.dtype(d).name for d in dtypes)
+        raise UsageError(f"`{name}` must be a writable array (n, …) of {wanted}, row after row")

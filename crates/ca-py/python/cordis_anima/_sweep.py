@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import operator
 import os
 import pickle
 import time
@@ -25,7 +24,7 @@ import numpy.typing as npt
 from . import _html, _work, _zarr
 from ._errors import FailedError, UsageError, needed
 from ._job import Job, fill, play
-from ._results import Floats, Sound, length, value
+from ._results import Floats, Sound, length, value, whole
 from ._gestures import Gesture, Path, made
 from ._measured import Progress
 from ._scene import Scene
@@ -205,10 +204,10 @@ def sweep(
     ((20,), True)
     """
     seconds = None if seconds is None else length(seconds)
-    runs = None if runs is None else _whole("runs", runs, 1, 2**40)
-    seed = _whole("seed", seed, 0, 2**64 - 1)
-    batch = None if batch is None else _whole("batch", batch, 1, 2**40)
-    chunk = None if chunk is None else _whole("chunk", chunk, 1, 1_000_000)
+    runs = None if runs is None else whole("runs", runs, 1, 2**40)
+    seed = whole("seed", seed, 0, 2**64 - 1)
+    batch = None if batch is None else whole("batch", batch, 1, 2**40)
+    chunk = None if chunk is None else whole("chunk", chunk, 1, 1_000_000)
     begin = time.perf_counter()
     asked = (runs, seed, seconds, bool(energy), bool(measure))
     job = _job(scene, vary, asked, gesture)
@@ -269,22 +268,11 @@ def sweep(
     return Sweep(columns, tuple(core.columns[1]), sounds, core.rate, target, core.hash, time.perf_counter() - begin)
 
 
-def _whole(name: str, value: object, low: int, high: int) -> int:
-    """A whole number, of Python, NumPy or whoever has some."""
-    try:
-        number = operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        raise UsageError(f"{name} = {value!r}: a whole number is wanted") from None
-    if not low <= number <= high:
-        raise UsageError(f"{name} = {number}: {low} to {high}")
-    return number
-
-
 def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gesture: Gesture) -> Job:
     axes: list[tuple[str, Any]] = []
     for name, space in vary.items():
         if isinstance(space, Range):
-            steps = None if space.steps is None else _whole(f"`{name}`: steps", space.steps, 2, 1_000_000)
+            steps = None if space.steps is None else whole(f"`{name}`: steps", space.steps, 2, 1_000_000)
             axes.append((name, (value(name, space.low), value(name, space.high), bool(space.log), steps)))
         elif isinstance(space, (str, bytes, Mapping, Set)) or not hasattr(space, "__iter__") or getattr(space, "ndim", 1) == 0:
             raise UsageError(f"`{name}` may be {space!r}: a `Range`, or a list of values")

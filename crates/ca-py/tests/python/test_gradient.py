@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -30,6 +33,47 @@ def test_tangents_are_those_of_differences() -> None:
     up, down = (scene.replace({"bar.f": f}).tangents(["bar.f"], 0.02).audio for f in (440.001, 439.999))
     difference = (up - down) / 0.002
     assert np.abs(difference - t["bar.f"]).max() < 1e-7 * np.abs(difference).max()
+
+
+def test_what_does_not_fit_into_memory_is_refused() -> None:
+    scene = ca.parse(BAR)
+    with pytest.raises(ca.UsageError, match="do not fit into memory"):
+        scene.tangents(["bar.f"] * 200, 1e8)
+    with pytest.raises(ca.UsageError, match="do not fit into memory"):
+        scene.gradient(["bar.f"], loss=lambda y: (0.0, y), seconds=9e8)
+
+
+def test_a_signal_ends_it() -> None:
+    script = """
+import os, signal, threading
+import cordis_anima as ca
+string = ca.examples.string()
+for call in (lambda: string.tangents(["low.f"], 300), lambda: string.gradient(["low.f"], loss=lambda y: (0.0, y), seconds=1000)):
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    try:
+        call()
+    except KeyboardInterrupt:
+        print("ended")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.stdout == "ended\nended\n", done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("loss", [lambda y: 1.0, lambda y: (1.0, y, y), lambda y: None, 3])
+def test_a_loss_gives_two_things(loss: object) -> None:
+    with pytest.raises(ca.UsageError, match="a loss"):
+        ca.parse(BAR).gradient(["bar.f"], loss=loss, seconds=0.01)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("wrt", [None, 3, [], [1], ["bar.f", None]])
+def test_names_are_names(wrt: object) -> None:
+    with pytest.raises(ca.UsageError, match="names"):
+        ca.parse(BAR).tangents(wrt)  # type: ignore[arg-type]
+
+
+def test_complex_cotangents_are_refused() -> None:
+    with pytest.raises(ca.UsageError, match="real numbers"):
+        ca.parse(BAR).gradient(["bar.f"], cotangent=np.ones((10, 2)) * 1j)
 
 
 def test_a_gradient_is_that_of_its_loss() -> None:

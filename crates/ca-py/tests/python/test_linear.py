@@ -34,6 +34,39 @@ sum = { from = ["a", "c"] }
 """
 
 
+HANGING = """
+[model]
+gravity = "9.81 m/s^2"
+[MAS]
+a = { m = "1 g", v = "0.1 m/s" }
+b = { m = "2 g", x = "10 mm" }
+[SOL]
+roof = {}
+[RES]
+one = { between = ["roof", "a"], k = "100 N/m", l0 = "4 mm" }
+two = { between = ["a", "b"], k = "300 N/m", l0 = "7 mm" }
+three = { between = ["roof", "b"], k = "50 N/m" }
+[SOX]
+out = { from = "a" }
+sum = { from = "b" }
+"""
+
+
+def test_weight_and_lengths_of_springs_are_constant_forces() -> None:
+    scene = ca.parse(HANGING)
+    part = scene.linear()
+    assert part.left_out == () and np.allclose(
+        part.constant, [-1e-3 * 9.81 + 100 * 4e-3 + 300 * 3e-3, -2e-3 * 9.81 - 300 * 3e-3], rtol=1e-12
+    ), part.constant
+    moved = scene.rollout(["a", "b"], 0.02)
+    x, d = part.x, part.d
+    for row in moved.x[1:]:
+        x, d = part.tick(x, d)
+        assert np.abs(x - row).max() <= 1e-12 * np.abs(moved.x).max()
+    both, _ = part.tick(np.stack([part.x, part.x], axis=1), np.stack([part.d, part.d], axis=1))
+    assert np.array_equal(both[:, 0], both[:, 1]) and np.allclose(both[:, 0], moved.x[1], rtol=1e-12)
+
+
 @pytest.mark.parametrize("method", ["", ', method = "implicit"'])
 def test_a_tick_by_matrices_is_that_of_the_scene(method: str) -> None:
     scene = ca.parse(LINE.replace("METHOD", method))

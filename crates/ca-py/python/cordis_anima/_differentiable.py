@@ -1,0 +1,101 @@
+"""Renders of many instances, and the gradients of losses of them, for libraries that learn.
+
+Decides that what such a library is given is a function of plain arrays: rows of values in, sound out, and rows of gradients for
+cotangents. `torch` and `jax` differ in how they register it, and in nothing else. The values of an instance that cannot be
+played end the call with its message: a loss over silence would be believed. A gesture is read once, so that what is differentiated
+is what was played.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+
+from ._batch import batch
+from ._errors import FailedError, UsageError
+from ._gestures import Gesture, made
+from ._results import Floats, Sound, length, whole
+from ._scene import Scene
+
+
+class Instances:
+    """Instances of a scene with other values of the same parameters, played and differentiated by threads."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        names: Sequence[str],
+        seconds: float | str | None,
+        gesture: Gesture,
+        threads: int | None,
+    ) -> None:
+        if not isinstance(scene, Scene):
+            raise UsageError(f"a scene is what `ca.load` or `ca.parse` gives, not {type(scene).__name__}")
+        self.names = tuple(names)
+        # that there are such names is said here, and not by who calls back
+        for name in names:
+            scene._model.copy().set(name, 0.0)
+        self._scene, self._gesture = scene, made(scene._compiled, gesture)
+        self._seconds = None if seconds is None else length(seconds)
+        self._threads = (os.cpu_count() or 1) if threads is None else whole("threads", threads, 1, 4096)
+        #: channels of the sound
+        self.channels = len(scene.channels)
+
+    @property
+    def frames(self) -> int:
+        """Samples of each channel."""
+        if self._seconds is None:
+            return len(self._scene.render(gesture=self._gesture).audio)
+        # half a sample is one, as the engine has it
+        return max(1, math.floor(self._seconds * self._scene.rate + 0.5))
+
+    def sound(self, values: Floats) -> Sound:
+        """The sound (…, frames, channels) of values (…, parameters), in double precision."""
+        rows = values.reshape(-1, len(self.names)).astype(float)
+        columns = {name: rows[:, k] for k, name in enumerate(self.names)}
+        b = batch(self._scene, columns, self._seconds, gesture=self._gesture, dtype="float64", threads=self._threads)
+        for i, status in enumerate(b.status):
+            if status != "ok":
+                raise FailedError(f"instance {i} ({self._said(rows[i])}) is {status}: {b.message[i]}")
+        return b.audio.reshape(*values.shape[:-1], *b.audio.shape[1:])
+
+    def pullback(self, values: Floats, cotangents: Sound, wanted: Sequence[bool] | None = None) -> Floats:
+        """The gradients (…, parameters) of a loss whose derivatives by the samples are `cotangents` (…, frames, channels); 0 where
+        they are not `wanted`.
+        """
+        rows = values.reshape(-1, len(self.names)).astype(float)
+        given = np.asarray(cotangents, float).reshape(len(rows), *cotangents.shape[-2:])
+        places = [k for k in range(len(self.names)) if wanted is None or wanted[k]]
+
+        def one(row: Floats, cotangent: Floats) -> Floats:
+            scene = self._scene.replace(dict(zip(self.names, row.tolist())))
+            names = [self.names[k] for k in places]
+            found = np.zeros(len(self.names))
+            found[places] = scene.gradient(names, cotangent=cotangent, gesture=self._gesture).gradient
+            return found
+
+        with ThreadPoolExecutor(self._threads) as pool:
+            all = list(pool.map(one, rows, given))
+        return np.array(all).reshape(values.shape)
+
+    def _said(self, row: Floats) -> str:
+        return ", ".join(f"{name} = {value:g}" for name, value in zip(self.names, row))
+
+
+def alone(scene: Scene, seconds: float | str | None, gesture: Gesture) -> Sound:
+    """The sound (frames, channels) of a scene by itself, in double precision."""
+    r = scene.render(seconds, gesture=gesture, dtype="float64")
+    if r.status != "ok":
+        raise FailedError(f"the scene is {r.status}: {r.message}")
+    return r.audio
+
+
+def constants(scene: Scene, values: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
+    """The scene with what is no array, and the arrays: numbers and quantities of Python have no derivative asked for."""
+    fixed = {name: v for name, v in values.items() if isinstance(v, (bool, int, float, str))}
+    return scene.replace(fixed) if fixed else scene, {name: v for name, v in values.items() if name not in fixed}

@@ -1,0 +1,147 @@
+"""How the modes of a scene change with its parameters.
+
+Decides for the poles of the tick itself: with M, N, K and Z of `Scene.linear`, a mode is a solution of
+
+    Q(w) φ = ((M / T² + N) (w − 1)² + K w + Z (w − 1) / T) φ = 0,
+
+whose matrices are symmetric, so that dw = − φᵀ dQ φ / φᵀ Q'(w) φ (docs/numerics.md §9). That holds for damping that couples
+modes, where φ is complex. How the matrices change is had by differences of the eighth order, as in `tangents`. Where two poles
+are one, each of them has no derivative: not a number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import UsageError
+from ._linear import Linear
+from ._results import Floats
+
+#: weights of the matrices at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth
+_EIGHTH = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+_SIXTH = (3 / 4, -3 / 20, 1 / 60, 0.0)
+#: parts of a value that a step is
+_STEPS = (1e-2, 1e-3, 1e-4)
+#: how far both orders may be apart, in parts of the change
+_ASKED = 1e-7
+#: poles that are nearer, in parts of their distance to 1, are one
+_SAME = 1e-6
+
+Complex = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class ModeDerivatives:
+    """How modes change with parameters: arrays (modes, parameters), per unit of the parameter.
+
+    Not a number where a mode does not swing, or has the frequency and decay of another one.
+    """
+
+    #: of the frequency as it is heard [Hz]
+    heard: Floats
+    #: of the time to fall by 60 dB [s]; 0 of a mode that does not decay
+    t60: Floats
+    #: names of the parameters
+    wrt: tuple[str, ...]
+    #: their values
+    values: Floats
+    #: their units, of SI; empty for plain numbers
+    units: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<ModeDerivatives of {len(self.heard)} modes by {', '.join(self.wrt)}>"
+
+
+def derivatives(
+    part: Linear,
+    modes: tuple[Floats, Floats, Floats],
+    parameters: Sequence[tuple[str, float, str]],
+    moved: Callable[[str, float, str], Linear],
+) -> ModeDerivatives:
+    """Those of modes, given by ``heard``, ``t60`` and ``shapes``; `moved` is the linear part with another value of a parameter.
+
+    Raises:
+        UsageError: part of the scene is computed in another way, or changes by a jump.
+    """
+    if part.other_scheme is not None:
+        raise UsageError(f"a part of this scene has `{part.other_scheme}`, whose modes are not differentiated")
+    changes = [_change(part, p, moved) for p in parameters]
+    heard, t60, shapes = modes
+    poles, vectors = _poles(part, heard, t60, shapes)
+    T = part.T
+    own = _matrices(part)
+    of_w = np.full((len(heard), len(parameters)), np.nan + 0j)
+    for j, (w, v) in enumerate(zip(poles, vectors)):
+        if np.isnan(w):
+            continue
+        slope = v @ (own[0] @ v) * 2 * (w - 1) + v @ (own[1] @ v) + v @ (own[2] @ v)
+        for k, (dA, dK, dZ) in enumerate(changes):
+            of_w[j, k] = -(v @ (dA @ v) * (w - 1) ** 2 + v @ (dK @ v) * w + v @ (dZ @ v) * (w - 1)) / slope
+    with np.errstate(invalid="ignore"):
+        relative = of_w / poles[:, None]
+    decay = -np.log(np.abs(poles)) / T
+    with np.errstate(invalid="ignore", divide="ignore"):
+        falls = np.where(np.isfinite(t60)[:, None], 3 * np.log(10) / decay[:, None] ** 2 * relative.real / T, 0.0)
+    falls[np.isnan(relative.real)] = np.nan
+    names, values, units = zip(*parameters)
+    return ModeDerivatives(relative.imag / (2 * np.pi * T), falls, names, np.array(values, float), units)
+
+
+def _matrices(part: Linear) -> tuple[Any, Any, Any]:
+    """M / T² + N, K and Z / T."""
+    return part.M / part.T**2 + part.N, part.K, part.Z / part.T
+
+
+def _change(
+    part: Linear, parameter: tuple[str, float, str], moved: Callable[[str, float, str], Linear]
+) -> tuple[Any, Any, Any]:
+    """The derivatives of the three matrices."""
+    name, value, unit = parameter
+    for step in _STEPS:
+        h = step * (abs(value) or 1e-3)
+        high: list[Any] = [0.0, 0.0, 0.0]
+        low: list[Any] = [0.0, 0.0, 0.0]
+        for i, (a, b) in enumerate(zip(_EIGHTH, _SIXTH), 1):
+            up, down = moved(name, value + i * h, unit), moved(name, value - i * h, unit)
+            if up.places != part.places or down.places != part.places:
+                raise UsageError(f"`{name}` changes what is built, and not only its numbers, so that there is no derivative by it")
+            for m, (u, d) in enumerate(zip(_matrices(up), _matrices(down))):
+                high[m], low[m] = high[m] + (u - d) * (a / h), low[m] + (u - d) * (b / h)
+        sizes = [(abs(x).max(), abs(x - y).max()) for x, y in zip(high, low)]
+        # a change that is nothing beside the matrix is rounding
+        floors = [1e-13 * abs(m).max() / h for m in _matrices(part)]
+        if all(off <= _ASKED * size + floor for (size, off), floor in zip(sizes, floors)):
+            return high[0], high[1], high[2]
+    raise UsageError(f"the linear part has no derivative by `{name}` at its value: a corner or a jump")
+
+
+def _poles(part: Linear, heard: Floats, t60: Floats, shapes: Floats) -> tuple[Complex, Complex]:
+    """Poles and their vectors, not a number where a mode does not swing or has no pole of its own."""
+    solve: Any = import_module("scipy.sparse.linalg").splu
+    A, K, Z = _matrices(part)
+    poles = np.full(len(heard), np.nan + 0j)
+    vectors = shapes.astype(complex)
+    for j in np.flatnonzero(heard > 0):
+        w = np.exp((2j * np.pi * heard[j] - 3 * np.log(10) / t60[j]) * part.T)
+        v = vectors[j] / np.linalg.norm(vectors[j])
+        for _ in range(8):
+            q = (A * (w - 1) ** 2 + K * w + Z * (w - 1)).tocsc()
+            try:
+                u = solve(q).solve((A * (2 * (w - 1)) + K + Z) @ v)
+            except RuntimeError:  # singular: it is the pole to the last digit
+                break
+            step = (v.conj() @ v) / (v.conj() @ u)
+            w, v = w - step, u / np.linalg.norm(u)
+            if abs(step) <= 1e-15:
+                break
+        poles[j], vectors[j] = w, v
+    near = np.abs(poles[:, None] - poles[None, :]) <= _SAME * np.abs(poles[:, None] - 1)
+    np.fill_diagonal(near, False)
+    poles[near.any(axis=1)] = np.nan
+    return poles, vectors

@@ -1,0 +1,106 @@
+"""A render as a function that PyTorch differentiates.
+
+```py
+import torch, cordis_anima as ca, cordis_anima.torch as cat
+
+f = torch.tensor([110.0, 220.0], requires_grad=True)
+y = cat.render(ca.examples.string(), {"low.f": f}, 0.1)      # (2, 4800, 1)
+y.square().mean().backward()                                 # f.grad (2,)
+```
+
+Nothing of PyTorch is loaded before `render` is called; ``pip install "cordis-anima[torch]"`` adds it.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from typing import Any
+
+from ._differentiable import Instances, alone, constants
+from ._errors import UsageError, needed
+from ._gestures import Gesture
+from ._scene import Scene
+
+__all__ = ["render"]
+
+
+def render(
+    scene: Scene,
+    values: Mapping[str, Any],
+    seconds: float | str | None = None,
+    *,
+    gesture: Gesture = None,
+    threads: int | None = None,
+) -> Any:
+    """The sound of a scene as a tensor that knows its gradients: by the ticks' own derivatives, and not by differences.
+
+    Args:
+        scene: what is played.
+        values: by name, as `Scene.tangents` knows them, tensors that are broadcast to one shape: that of the batch. Numbers and
+            quantities of Python are values that stay, and so are tensors that require no gradient.
+        seconds: as for `Scene.render`.
+        gesture: as for `Scene.render`; it drives ports.
+        threads: how many play at once; one for each core if none.
+
+    Returns:
+        A tensor (batch…, frames, channels) of the values' type; it was computed in double precision, on the processor.
+
+    Raises:
+        MissingError: PyTorch is not installed.
+        UsageError: as `Scene.tangents`, when the gradient is asked for; no values.
+        FailedError: an instance cannot be played, diverges or is too loud, with its values.
+    """
+    torch = needed("torch", "torch")
+    if not isinstance(values, Mapping) or not values:
+        raise UsageError("values are tensors by name, e.g. {\"low.f\": torch.tensor(110.0)}")
+    scene, arrays = constants(scene, values)
+    tensors = [torch.as_tensor(v) for v in arrays.values()]
+    for name, t in zip(arrays, tensors):
+        if t.is_complex():
+            raise UsageError(f"`{name}` holds complex numbers: real numbers are wanted")
+    tensors = [t if t.is_floating_point() else t.to(torch.get_default_dtype()) for t in tensors]
+    if not tensors:
+        return torch.from_numpy(alone(scene, seconds, gesture)).to(torch.get_default_dtype())
+    wanted = tuple(bool(t.requires_grad) for t in tensors)
+    stacked = torch.stack(torch.broadcast_tensors(*tensors), dim=-1)
+    play, _ = _functions()
+    return play.apply(Instances(scene, list(arrays), seconds, gesture, threads), wanted, stacked)
+
+
+@functools.cache
+def _functions() -> tuple[Any, Any]:
+    """The function that is differentiated, and that which its derivative is; their classes need PyTorch."""
+    torch = needed("torch", "torch")
+
+    def array(tensor: Any) -> Any:
+        return tensor.detach().cpu().double().numpy()
+
+    class Pullback(torch.autograd.Function):  # type: ignore[misc, name-defined]
+        """Values and cotangents to gradients. It depends on both, and so is a function of its own: a derivative of it would be
+        needed where somebody differentiates twice, and is refused.
+        """
+
+        @staticmethod
+        def forward(ctx: Any, instances: Instances, wanted: Any, values: Any, cotangents: Any) -> Any:
+            return torch.from_numpy(instances.pullback(array(values), array(cotangents), wanted)).to(values)
+
+        @staticmethod
+        def backward(ctx: Any, *_: Any) -> Any:
+            raise UsageError("a render is differentiated once: there is no second derivative")
+
+    class Render(torch.autograd.Function):  # type: ignore[misc, name-defined]
+        """Values (…, parameters) to sound (…, frames, channels)."""
+
+        @staticmethod
+        def forward(ctx: Any, instances: Instances, wanted: Any, values: Any) -> Any:
+            ctx.instances, ctx.wanted = instances, wanted
+            ctx.save_for_backward(values)
+            return torch.from_numpy(instances.sound(array(values))).to(values)
+
+        @staticmethod
+        def backward(ctx: Any, cotangents: Any) -> Any:
+            (values,) = ctx.saved_tensors
+            return None, None, Pullback.apply(ctx.instances, ctx.wanted, values, cotangents)
+
+    return Render, Pullback

@@ -1,0 +1,60 @@
+//! Batches: see `cordis_anima.batch`.
+
+use crate::error::failure;
+use crate::gesture::Gesture;
+use crate::model::Given;
+use crate::scene::Scene;
+use crate::wait::Wait;
+use ca_lab::batch::{self, Batch, BatchSpec};
+use ca_lab::play::Sample;
+use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// Plays a scene once for each value; `double` says how samples are kept.
+#[pyfunction]
+#[pyo3(name = "batch", signature = (scene, values, seconds, gesture, double, threads, progress))]
+#[allow(clippy::too_many_arguments)]
+pub fn play<'py>(
+    py: Python<'py>,
+    scene: &Scene,
+    values: Vec<(String, Vec<Given>)>,
+    seconds: Option<f64>,
+    gesture: Option<&Gesture>,
+    double: bool,
+    threads: usize,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let typed = |all: Vec<Given>| all.into_iter().map(Given::typed).collect();
+    let values = values.into_iter().map(|(name, all)| (name, typed(all))).collect();
+    let spec = BatchSpec { values, seconds, threads };
+    let run = if double { played::<f64> } else { played::<f32> };
+    run(py, scene, &spec, gesture, progress)
+}
+
+fn played<'py, S: Sample + Element>(
+    py: Python<'py>,
+    scene: &Scene,
+    spec: &BatchSpec,
+    gesture: Option<&Gesture>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (loaded, options) = scene.source();
+    let mut wait = Wait::new(progress);
+    let batch = py.detach(|| {
+        let gesture = gesture.map(|g| &g.gesture);
+        batch::batch::<S>(loaded, options, spec, gesture, &mut |done, all| wait.goes_on(done, all))
+    });
+    wait.error.map_or(Ok(()), Err)?;
+    let Batch { rate, frames, channels, probes, sound, probed, outcomes, peaks } = batch.map_err(|e| failure(py, e))?;
+    let n = outcomes.len();
+    let d = PyDict::new(py);
+    d.set_item("rate", rate)?;
+    d.set_item("audio", sound.into_pyarray(py).reshape([n, frames, channels])?)?;
+    d.set_item("probes", probed.into_pyarray(py).reshape([n, frames, probes])?)?;
+    d.set_item("peak", peaks.into_pyarray(py))?;
+    d.set_item("status", outcomes.iter().map(|o| o.status).collect::<Vec<_>>())?;
+    d.set_item("message", outcomes.iter().map(|o| o.message.as_str()).collect::<Vec<_>>())?;
+    d.set_item("failed", outcomes.iter().map(|o| o.failed.clone()).collect::<Vec<_>>())?;
+    Ok(d)
+}
