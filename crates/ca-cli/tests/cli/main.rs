@@ -154,11 +154,14 @@ fn what_is_set_is_told_from_what_is_written() {
     set("room.gravity=1").is(2).says(&["--set: `gravity` of the group `room`", "room.ca.toml:5"]);
     set("room.friction=1").is(2).says(&["write it below `[room]`, room.ca.toml:3"]);
     set("room.a.x=[1,2]").is(2).says(&["--set: `room.a.x`: a list", "room.ca.toml:7"]);
+    set("room.a.x[1]=2 mm").is(0);
+    set("room.a.x[7]=2 mm").is(2).says(&["the model has no `room.a.x[7]`"]);
     set("model.title=[1,2]").is(0);
-    for (value, is) in [("99999", "a plain number"), ("1 kg", "in kg")] {
-        let ran = set(&format!("stiff={value}")).is(1).says(&["E008", is, "`min` is in N/m", "what is set"]);
-        assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
-    }
+    let ran = set("stiff=1 kg").is(1).says(&["E008", "in kg", "`min` is in N/m", "what is set"]);
+    assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
+    // a bare number is one of SI
+    set("stiff=99999").is(1).says(&["E009", "99999 N/m", "from 500 N/m to 2000 N/m"]);
+    set("stiff=1500").is(0);
     set("stiff=1.5 kN/m").is(0);
 }
 
