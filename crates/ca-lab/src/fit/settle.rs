@@ -8,7 +8,7 @@ use super::loss::{Loss, STRETCHES};
 use super::normal::{Normal, dot};
 use super::player::Player;
 use super::search::{EXACT, Point, Rules, Slopes, Stop, descend, free_columns};
-use super::verdict::Halt;
+use super::verdict::{Halt, Known};
 use super::work::Work;
 use crate::Failure;
 
@@ -17,21 +17,6 @@ const UNKNOWN: f64 = 0.7;
 /// Steps between two looks at whether it has settled, and the least that one gains.
 const STEPS: usize = 8;
 const GAINS: f64 = 1e-3;
-
-/// What is known at the end of a search.
-pub(super) struct Known {
-    /// the standard deviations of places; `None` of what is not determined
-    pub deviations: Vec<Option<f64>>,
-    /// why it ended
-    pub halt: Halt,
-}
-
-impl Known {
-    /// Of so many numbers, where nothing could be looked at: not even whether the sound determines them.
-    pub fn nothing(n: usize) -> Known {
-        Known { deviations: vec![Some(f64::INFINITY); n], halt: Halt::Renders }
-    }
-}
 
 /// Deviations at a point, and whether a step from there would change a number by more.
 struct Look {

@@ -3,9 +3,9 @@
 use super::loss::{Free, Loss};
 use super::player::Player;
 use super::search::Point;
-use super::settle::Known;
 use super::spectral::Spectral;
 use super::target::{Samples, Target};
+use super::verdict::Known;
 use super::verdict::{Doubt, Halt, explained};
 use super::wave::{self, Wave};
 use super::work::{Found, Work};

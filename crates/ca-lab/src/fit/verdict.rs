@@ -25,6 +25,21 @@ pub enum Halt {
     Stuck,
 }
 
+/// What is known at the end of a search.
+pub(super) struct Known {
+    /// the standard deviations of places; `None` of what is not determined
+    pub deviations: Vec<Option<f64>>,
+    /// why it ended
+    pub halt: Halt,
+}
+
+impl Known {
+    /// Of so many numbers, where nothing could be looked at: not even whether the sound determines them.
+    pub fn nothing(n: usize) -> Known {
+        Known { deviations: vec![Some(f64::INFINITY); n], halt: Halt::Renders }
+    }
+}
+
 /// Why a number has no deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {

@@ -23,11 +23,10 @@ from ._gestures import Curve, Gesture
 from ._gradient import Gradient, Tangents
 from ._linear import Linear, Rollout
 from ._measured import Progress
-from ._mode_derivatives import ModeDerivatives
 from ._model import Check, Model
 from ._play import Playing
 from ._render import Params, Render
-from ._results import Accuracy, Certificate, Energy, Modes, Param, Port
+from ._results import Accuracy, Certificate, Energy, ModeDerivatives, Modes, Param, Port
 from ._scene import Scene
 from ._sim import Block, Inputs, Sim, Snapshot
 from ._sweep import Range, Sweep, sweep

@@ -9,8 +9,8 @@ from . import _core
 from ._errors import UsageError
 from ._gradient import named
 from ._linear import Linear
-from ._mode_derivatives import ModeDerivatives, derivatives
-from ._results import Accuracy, Modes, number
+from ._mode_derivatives import derivatives
+from ._results import Accuracy, ModeDerivatives, Modes, number
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]

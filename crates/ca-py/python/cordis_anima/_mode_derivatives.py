@@ -12,7 +12,6 @@ are one, each of them has no derivative: not a number.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
@@ -21,7 +20,7 @@ import numpy.typing as npt
 
 from ._errors import UsageError
 from ._linear import Linear
-from ._results import Floats
+from ._results import Floats, ModeDerivatives
 
 #: weights of the matrices at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth
 _EIGHTH = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
@@ -34,28 +33,6 @@ _ASKED = 1e-7
 _SAME = 1e-6
 
 Complex = npt.NDArray[np.complex128]
-
-
-@dataclass(frozen=True, eq=False)
-class ModeDerivatives:
-    """How modes change with parameters: arrays (modes, parameters), per unit of the parameter.
-
-    Not a number where a mode does not swing, or has the frequency and decay of another one.
-    """
-
-    #: of the frequency as it is heard [Hz]
-    heard: Floats
-    #: of the time to fall by 60 dB [s]; 0 of a mode that does not decay
-    t60: Floats
-    #: names of the parameters
-    wrt: tuple[str, ...]
-    #: their values
-    values: Floats
-    #: their units, of SI; empty for plain numbers
-    units: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        return f"<ModeDerivatives of {len(self.heard)} modes by {', '.join(self.wrt)}>"
 
 
 def derivatives(

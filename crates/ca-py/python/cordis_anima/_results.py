@@ -5,16 +5,13 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._errors import UsageError
-
-if TYPE_CHECKING:
-    from ._mode_derivatives import ModeDerivatives
 
 Floats = npt.NDArray[np.float64]
 #: sound: float32, unless float64 was asked for
@@ -169,6 +166,28 @@ class Modes:
     def __repr__(self) -> str:
         first = ", ".join(f"{f:.2f}" for f in self.heard[:4])
         return f"<Modes: {len(self)}, heard at {first}{' …' if len(self) > 4 else ''} Hz>"
+
+
+@dataclass(frozen=True, eq=False)
+class ModeDerivatives:
+    """How modes change with parameters: arrays (modes, parameters), per unit of the parameter.
+
+    Not a number where a mode does not swing, or has the frequency and decay of another one.
+    """
+
+    #: of the frequency as it is heard [Hz]
+    heard: Floats
+    #: of the time to fall by 60 dB [s]; 0 of a mode that does not decay
+    t60: Floats
+    #: names of the parameters
+    wrt: tuple[str, ...]
+    #: their values
+    values: Floats
+    #: their units, of SI; empty for plain numbers
+    units: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<ModeDerivatives of {len(self.heard)} modes by {', '.join(self.wrt)}>"
 
 
 @dataclass(frozen=True, eq=False)
