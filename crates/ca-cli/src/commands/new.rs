@@ -52,8 +52,8 @@ fn describe(path: &Path) -> Result<(), Failure> {
     Ok(atomic_file::write(path, format!("{own:#}\n").as_bytes())?)
 }
 
-/// Writes a model file, never over another one unless told so.
-pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+/// Refuses a path that no model file may have, or where there is one.
+pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
         let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
         let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
@@ -62,6 +62,12 @@ pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure>
     if !force && path.symlink_metadata().is_ok() {
         return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
     }
+    Ok(())
+}
+
+/// Writes a model file, over another one only where that is asked for.
+pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
+    may_be(path, force)?;
     let write = if force { atomic_file::write } else { atomic_file::write_new };
     Ok(write(path, text.as_bytes())?)
 }

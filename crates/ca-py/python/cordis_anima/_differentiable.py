@@ -95,7 +95,13 @@ def alone(scene: Scene, seconds: float | str | None, gesture: Gesture) -> Sound:
     return r.audio
 
 
-def constants(scene: Scene, values: Mapping[str, Any]) -> tuple[Scene, dict[str, Any]]:
-    """The scene with what is no array, and the arrays: numbers and quantities of Python have no derivative asked for."""
+def constants(scene: Scene, values: Mapping[str, Any], wanted: str) -> tuple[Scene, dict[str, Any]]:
+    """The scene with what is no array, and the arrays: numbers and quantities of Python have no derivative asked for.
+
+    Raises:
+        UsageError: values are not what is `wanted`.
+    """
+    if not isinstance(values, Mapping) or not values:
+        raise UsageError(f"values are {wanted}")
     fixed = {name: v for name, v in values.items() if isinstance(v, (bool, int, float, str))}
     return scene.replace(fixed) if fixed else scene, {name: v for name, v in values.items() if name not in fixed}

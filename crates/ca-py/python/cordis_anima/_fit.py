@@ -73,9 +73,9 @@ class Fit:
     seconds: float
     #: which distance decided
     stage: Literal["levels", "samples"]
-    #: whether the search arrived; if not, no number has a deviation
+    #: whether the search arrived; if not, all deviations are ``None``
     settled: bool
-    #: whether so little is left that the sound may be one of this model; if not, no number has a deviation
+    #: whether so little is left that the sound may be one of this model; if not, all deviations are ``None``
     explained: bool
     #: what somebody should know of the values, a sentence each
     warnings: tuple[str, ...]

@@ -57,9 +57,7 @@ def render(
             its own.
     """
     jnp = needed("jax.numpy", "jax")
-    if not isinstance(values, Mapping) or not values:
-        raise UsageError("values are arrays by name, e.g. {\"low.f\": 110.0}")
-    scene, arrays = constants(scene, values)
+    scene, arrays = constants(scene, values, "arrays by name, e.g. {\"low.f\": jax.numpy.array(110.0)}")
     if not arrays:
         return jnp.asarray(alone(scene, seconds, gesture), jnp.result_type(float))
     real = {name: jnp.asarray(v) for name, v in arrays.items()}

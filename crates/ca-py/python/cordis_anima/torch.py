@@ -52,9 +52,7 @@ def render(
         FailedError: an instance cannot be played, diverges or is too loud, with its values.
     """
     torch = needed("torch", "torch")
-    if not isinstance(values, Mapping) or not values:
-        raise UsageError("values are tensors by name, e.g. {\"low.f\": torch.tensor(110.0)}")
-    scene, arrays = constants(scene, values)
+    scene, arrays = constants(scene, values, "tensors by name, e.g. {\"low.f\": torch.tensor(110.0)}")
     tensors = [torch.as_tensor(v) for v in arrays.values()]
     for name, t in zip(arrays, tensors):
         if t.is_complex():
@@ -64,13 +62,12 @@ def render(
         return torch.from_numpy(alone(scene, seconds, gesture)).to(torch.get_default_dtype())
     wanted = tuple(bool(t.requires_grad) for t in tensors)
     stacked = torch.stack(torch.broadcast_tensors(*tensors), dim=-1)
-    play, _ = _functions()
-    return play.apply(Instances(scene, list(arrays), seconds, gesture, threads), wanted, stacked)
+    return _function().apply(Instances(scene, list(arrays), seconds, gesture, threads), wanted, stacked)
 
 
 @functools.cache
-def _functions() -> tuple[Any, Any]:
-    """The function that is differentiated, and that which its derivative is; their classes need PyTorch."""
+def _function() -> Any:
+    """The function that is differentiated; its class needs PyTorch."""
     torch = needed("torch", "torch")
 
     def array(tensor: Any) -> Any:
@@ -103,4 +100,4 @@ def _functions() -> tuple[Any, Any]:
             (values,) = ctx.saved_tensors
             return None, None, Pullback.apply(ctx.instances, ctx.wanted, values, cotangents)
 
-    return Render, Pullback
+    return Render

@@ -2,7 +2,7 @@
 //!
 //! Decides that a number keeps the unit its author gave it, and that one which many instances share is not touched.
 
-use crate::load;
+use crate::commands::new;
 use crate::outcome::Failure;
 use ca_lab::fit::{Fit, Fitted};
 use ca_model::{Model, Value, quantity};
@@ -14,14 +14,7 @@ const DIGITS: usize = 8;
 
 /// Refuses a path that cannot be written, before the work is done: with the messages that writing itself has.
 pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
-    if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
-        let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
-        let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
-        return Err(Failure::Usage(format!("{what}; write `{}`", own.display())));
-    }
-    if !force && path.symlink_metadata().is_ok() {
-        return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
-    }
+    new::may_be(path, force)?;
     if path.is_dir() {
         return Err(Failure::Failed(format!("`{}`: it is a directory; name a file in it", path.display())));
     }
