@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release -p ca-gradient --example cost`
 
-use ca_gradient::Forward;
+use ca_gradient::{Forward, Reverse};
 use cordis_anima::{Loaded, Options, tick};
 use std::time::Instant;
 
@@ -31,7 +31,8 @@ fn main() {
         let forward = Forward::new(&loaded, &Options::default(), &NAMES).expect("derivatives");
         let seconds = Some(FRAMES as f64 / scene.rate);
         // the best of several, in turns: other programs take time too
-        let (mut plain, mut dual) = (f64::INFINITY, f64::INFINITY);
+        let reverse = Reverse::new(&loaded, &Options::default(), &NAMES);
+        let (mut plain, mut dual, mut back) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         let mut t = None;
         for _ in 0..7 {
             let (mut s, begin) = (scene.state(), Instant::now());
@@ -40,6 +41,12 @@ fn main() {
             let begin = Instant::now();
             t = Some(forward.tangents(seconds, None, &mut || true).expect("derivatives"));
             dual = dual.min(begin.elapsed().as_secs_f64());
+            if let (Ok(reverse), Some(t)) = (&reverse, &t) {
+                let begin = Instant::now();
+                let g = reverse.gradient(&t.output, None, &mut || true).expect("a gradient");
+                back = back.min(begin.elapsed().as_secs_f64());
+                assert!(g.parameters[0].is_finite());
+            }
         }
         let t = t.expect("it was played");
         let h = 1e-7;
@@ -69,5 +76,9 @@ fn main() {
             dual / plain,
             off / most
         );
+        match &reverse {
+            Ok(_) => println!("    in reverse {:.0} ns: {:.1} renders, whatever the number of parameters", ns(back), back / plain),
+            Err(e) => println!("    {e}"),
+        }
     }
 }

@@ -6,8 +6,6 @@
 
 use crate::{Error, Parameter};
 use ca_core_dual::numeric::Dual;
-use ca_core_dual::scene::Scene;
-use ca_core_dual::state::Identity;
 use std::ops::Range;
 
 /// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
@@ -34,7 +32,8 @@ const ONE_SIDED: [[f64; 9]; 2] = [
 
 /// A scene as it begins: what decides how it runs, and its numbers.
 pub struct Start {
-    structure: Identity,
+    /// as [`Scene::structure`](ca_core::Scene::structure), in words: of scenes of two crates
+    structure: String,
     numbers: Vec<f64>,
     /// curves that ports are given, which carry no derivatives
     gestures: Vec<(String, Vec<[f64; 2]>)>,
@@ -42,10 +41,12 @@ pub struct Start {
     alike: Vec<Range<usize>>,
 }
 
-impl Start {
-    pub fn of(mut scene: Scene) -> Start {
+/// What is there of a scene, in plain numbers or in dual ones, which `value` makes plain.
+macro_rules! start {
+    ($scene:expr, $value:expr) => {{
+        let mut scene = $scene;
         let mut numbers = Vec::new();
-        scene.numbers(&mut |v: &mut Dual| numbers.push(v.value()));
+        scene.numbers(&mut |v| numbers.push($value(v)));
         // as `Scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
         let l = &scene.layout;
         let lengths = [4 * l.reach.len(), l.e0.len(), l.rest.len(), l.shares.len(), l.couplings.len()];
@@ -55,7 +56,17 @@ impl Start {
             first - n..first
         });
         let gestures = std::mem::take(&mut scene.gestures);
-        Start { alike: alike.to_vec(), structure: scene.structure(), numbers, gestures }
+        Start { alike: alike.to_vec(), structure: format!("{:?}", scene.structure()), numbers, gestures }
+    }};
+}
+
+impl Start {
+    pub fn of_dual(scene: ca_core_dual::Scene) -> Start {
+        start!(scene, |v: &Dual| v.value())
+    }
+
+    pub fn of_plain(scene: ca_core::Scene) -> Start {
+        start!(scene, |v: &f64| *v)
     }
 }
 
@@ -69,11 +80,11 @@ enum Obstacle {
     Rough,
 }
 
-/// The derivatives of the numbers of `start` by `parameter`; `compiled` compiles the model with another value of it.
+/// The derivatives of the numbers of `start` by `parameter`; `compiled` is the start of the model with another value of it.
 pub fn derivatives(
     start: &Start,
     parameter: &Parameter,
-    compiled: &dyn Fn(f64) -> Result<Scene, String>,
+    compiled: &dyn Fn(f64) -> Result<Start, String>,
 ) -> Result<Vec<f64>, Error> {
     let (mut obstacle, size) = (Obstacle::Rough, size(parameter));
     let mut best: Option<(f64, Vec<f64>)> = None;
@@ -84,7 +95,7 @@ pub fn derivatives(
         }
         let h = size * part;
         let at = |k: i32| -> Result<Vec<f64>, Obstacle> {
-            let other = Start::of(compiled(parameter.value + f64::from(k) * h).map_err(Obstacle::Model)?);
+            let other = compiled(parameter.value + f64::from(k) * h).map_err(Obstacle::Model)?;
             if other.gestures != start.gestures {
                 return Err(Obstacle::Gesture);
             }

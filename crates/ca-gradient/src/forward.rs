@@ -15,6 +15,7 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::{self, DIVERGED, Performance};
 use ca_model::write::write;
 use ca_model_dual::diag::{Diags, Severity};
+use ca_model_dual::write::write as write_dual;
 use ca_model_dual::{Model, read};
 use cordis_anima::{Loaded, Options};
 use std::sync::Arc;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
 
 /// Ticks between two such questions.
-const BLOCK: u64 = 1024;
+pub(crate) const BLOCK: u64 = 1024;
 
 /// A scene, with the derivatives of all that it begins with.
 pub struct Forward {
@@ -64,6 +65,18 @@ impl Forward {
     /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
     /// which there are derivatives, or the scene has groups at the gesture rate or parameters that ports drive.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+        let mut forward = Forward::begun(loaded, options, wrt)?;
+        let start = Start::of_dual(forward.dual().map_err(Error::Refused)?);
+        for p in &forward.parameters {
+            let compiled = |value: f64| forward.compiled(&p.put(&forward.model, value)).map(Start::of_dual);
+            let all = derivatives(&start, p, &compiled)?;
+            forward.derivatives.push(all);
+        }
+        Ok(forward)
+    }
+
+    /// The same without derivatives of the numbers that it begins with.
+    pub(crate) fn begun(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let plain = loaded.compile(&options)?.scene;
         let text = write(&loaded.model);
@@ -79,7 +92,7 @@ impl Forward {
             whole: options.whole,
             ..ca_compile_dual::Options::default()
         };
-        let mut forward = Forward {
+        let forward = Forward {
             plain,
             parameters: wrt.iter().map(|name| Parameter::find(&model, &catalog, name)).collect::<Result<_, _>>()?,
             derivatives: Vec::new(),
@@ -99,13 +112,20 @@ impl Forward {
             );
             return Err(Error::refused(what));
         }
-        let start = Start::of(scene);
-        for p in &forward.parameters {
-            let compiled = |value: f64| forward.compiled(&p.put(&forward.model, value));
-            let all = derivatives(&start, p, &compiled)?;
-            forward.derivatives.push(all);
-        }
         Ok(forward)
+    }
+
+    /// The text of the model, with another value of a parameter.
+    pub(crate) fn text(&self, other: Option<(&Parameter, f64)>) -> String {
+        match other {
+            Some((p, value)) => write_dual(&p.put(&self.model, value)),
+            None => write_dual(&self.model),
+        }
+    }
+
+    /// The scene over dual numbers, as it begins.
+    pub(crate) fn dual(&self) -> Result<Scene, String> {
+        self.compiled(&self.model)
     }
 
     /// The sound rate \[Hz\].
@@ -191,12 +211,7 @@ impl Forward {
     /// As [`Forward::tangents`], and where the cotangent has no whole rows.
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         let outputs = self.plain.n_out.max(1);
-        if cotangent.is_empty() || !cotangent.len().is_multiple_of(outputs) {
-            let what =
-                format!("a cotangent has one number or more for each of {outputs} outputs, not {}", cotangent.len());
-            return Err(Error::refused(what));
-        }
-        let seconds = (cotangent.len() / outputs) as f64 / self.plain.rate;
+        let seconds = frames_of(cotangent, outputs)? as f64 / self.plain.rate;
         let played = Played::new(self, Some(seconds), gesture, goes_on)?;
         let n = self.parameters.len();
         let mut gradient = vec![0.0; n];
@@ -274,10 +289,7 @@ impl Played {
     ) -> Result<Played, Error> {
         let scene = &forward.plain;
         let mut p = Performance::new(scene, gesture)?;
-        if let Some(name) = p.driven().into_iter().find(|name| scene.input(name).is_none()) {
-            let what = format!("a gesture moves the live parameter `{name}`, which is not differentiated");
-            return Err(Error::refused(what));
-        }
+        known(scene, &p)?;
         let frames = perform::frames(scene, perform::seconds(&p, seconds)) as usize;
         let n = scene.inputs.len();
         let hands = (0..n).map(|i| p.hand(i)).collect();
@@ -307,8 +319,33 @@ fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> 
     }
 }
 
-fn diverged() -> Error {
+pub(crate) fn diverged() -> Error {
     Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
+}
+
+/// How many samples a cotangent has.
+pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
+    if cotangent.is_empty() || !cotangent.len().is_multiple_of(outputs) {
+        let what = format!("a cotangent has one number or more for each of {outputs} outputs, not {}", cotangent.len());
+        return Err(Error::refused(what));
+    }
+    Ok(cotangent.len() / outputs)
+}
+
+/// Refuses a gesture that moves a live parameter.
+pub(crate) fn known(scene: &ca_core::Scene, p: &Performance) -> Result<(), Error> {
+    match p.driven().into_iter().find(|name| scene.input(name).is_none()) {
+        Some(name) => {
+            Err(Error::refused(format!("a gesture moves the live parameter `{name}`, which is not differentiated")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The first error among findings of a scene in plain numbers.
+pub(crate) fn first_of(diags: &ca_model::diag::Diags) -> String {
+    let error = diags.list.iter().find(|d| d.severity == ca_model::diag::Severity::Error);
+    error.map(|d| d.title.clone()).unwrap_or_default()
 }
 
 /// The first error among findings.

@@ -33,7 +33,9 @@ mod difference;
 mod error;
 mod forward;
 mod parameter;
+mod reverse;
 
 pub use error::Error;
 pub use forward::{Forward, GoesOn, Tangents};
 pub use parameter::Parameter;
+pub use reverse::{Gradient, Reverse};

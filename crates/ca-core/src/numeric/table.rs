@@ -47,7 +47,7 @@ impl Table {
     }
 
     /// Calls `visit` for each of its numbers.
-    #[cfg(dual)]
+    #[cfg(not(single))]
     pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
         [&mut self.x, &mut self.y, &mut self.area].into_iter().flatten().for_each(&mut *visit);
         visit(&mut self.per);

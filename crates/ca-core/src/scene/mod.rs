@@ -5,7 +5,7 @@
 pub mod certificate;
 mod halves;
 mod identity;
-#[cfg(dual)]
+#[cfg(not(single))]
 mod numbers;
 mod start;
 mod symbols;

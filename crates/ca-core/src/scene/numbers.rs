@@ -5,7 +5,7 @@
 //! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
 //! runs, and has to be the same in all of them: [`Scene::structure`].
 
-use crate::numeric::{Dual, lift, real};
+use crate::numeric::{Real, lift, real};
 use crate::op::layout::{Layout, Termination};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
@@ -13,7 +13,7 @@ use crate::state::{Identity, State};
 impl Scene {
     /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
     /// gesture rate, of parameters that ports drive, and of device ports.
-    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Dual)) {
+    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
         layout(&mut self.layout, visit);
         state(&mut self.initial, visit);
         if let Some((_, before)) = &mut self.before {
@@ -28,7 +28,7 @@ impl Scene {
     }
 }
 
-fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Dual)) {
+fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
     // who adds an array to it is asked here what to do with it
     let Layout {
         reach,
@@ -107,7 +107,7 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Dual)) {
 }
 
 /// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative.
-fn state(s: &mut State, visit: &mut impl FnMut(&mut Dual)) {
+fn state(s: &mut State, visit: &mut impl FnMut(&mut Real)) {
     for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.lengths] {
         all.iter_mut().for_each(&mut *visit);
     }

@@ -4,7 +4,7 @@
 //! A law that is added is here without a line of its own: its example is taken from its record.
 
 use crate::reference::{apart, column, difference, played, read, tangents};
-use ca_gradient::Forward;
+use ca_gradient::{Forward, Reverse, Tangents};
 use cordis_anima::ca_core::kind::Type;
 use cordis_anima::ca_model::{Value, quantity};
 use cordis_anima::{Loaded, Options, catalog};
@@ -84,6 +84,7 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong
     let t = tangents(loaded, TICKS, &names);
     let bits = |all: &[f64]| all.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
     assert_eq!(bits(&t.output), bits(&played(loaded, &[], TICKS).output), "{title}");
+    both_ways(title, loaded, &t, wrong);
     let (mut left_out, mut worst) = (refused, 0.0_f64);
     for (k, p) in t.parameters.iter().enumerate() {
         let Some((exact, doubt)) = difference(loaded, p, TICKS).filter(|d| d.1 < 0.1 * tolerance) else {
@@ -104,6 +105,28 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong
         t.parameters.len()
     );
     [refused + t.parameters.len(), left_out]
+}
+
+/// Compares the gradient of half the sum of squares of what is heard, forward and in reverse.
+fn both_ways(title: &str, loaded: &Loaded, t: &Tangents, wrong: &mut Vec<String>) {
+    let names: Vec<&str> = t.parameters.iter().map(|p| p.name.as_str()).collect();
+    let reverse = match Reverse::new(loaded, &Options::default(), &names) {
+        Ok(reverse) => reverse,
+        Err(e) => {
+            println!("REV {title}: {e}");
+            return;
+        }
+    };
+    let loss = 0.5 * t.output.iter().map(|y| y * y).sum::<f64>();
+    let found = reverse.gradient(&t.output, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    for (k, (p, by)) in t.parameters.iter().zip(&found.parameters).enumerate() {
+        let each = || column(t, k).into_iter().zip(&t.output).map(|(t, y)| t * y);
+        let (sum, size) = (each().sum::<f64>(), each().map(f64::abs).sum::<f64>());
+        // of itself, or of the loss where the parameter changes by all of itself
+        let off = (sum - by).abs() / (size + loss / p.value.abs().max(1e-3)).max(f64::MIN_POSITIVE);
+        println!("REV {title} {} {sum:.6e} {by:.6e} off {off:.1e}", p.name);
+        wrong.extend((off >= 1e-10).then(|| format!("{title}: by {} {sum:e} forward, {by:e} in reverse", p.name)));
+    }
 }
 
 /// The example of each kind, links on a line and across two worlds, generators and ports.

@@ -1,0 +1,373 @@
+//! Adjoint: a scene backwards, one tick at a time.
+//!
+//! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z symmetric. What
+//! a loss owes to d', times C, is then moved by the same equation, from the last tick to the first, where f is what it
+//! owes to places. So the scene itself, without its constant forces, plays it: the same passes, the same layout, as fast. What links
+//! that are run alone owe to their ends goes into f as the forces of those links did. What is owed to a motion d = x − x₋ is
+//! owed to a place now, and the opposite to that of the tick before.
+//!
+//! In the state that plays, x is ν = C times what is owed to d', and d its change; where no force moves a slot both
+//! are 0. What is owed to the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
+//! ([`Parts::summed`]): there more is owed while links are run.
+
+use crate::reverse::heard::{Outputs, Owed};
+use crate::reverse::number;
+use crate::reverse::parts::{Basis, Link, Parts};
+use crate::reverse::record::Row;
+use crate::reverse::single::{Pairs, Single, Way};
+use crate::reverse::sums::{Links, Masses, Tick};
+use ca_core::op::layout::Layout;
+use ca_core::{Scene, State};
+
+/// A linear link whose force is heard.
+struct HeardLink {
+    tap: usize,
+    ends: [usize; 2],
+    slopes: [f64; 2],
+    /// its coefficients, each with what its law is made of
+    coefs: Vec<(usize, [f64; 2])>,
+    /// numbers of its constant elongation, in the scene and in the order of the derivatives
+    e0: (f64, usize),
+}
+
+/// A scene on its way back.
+pub struct Adjoint<'a> {
+    scene: &'a Scene,
+    parts: &'a Parts,
+    /// that of the scene, without constant elongations
+    layout: Layout,
+    a: State,
+    outputs: Outputs,
+    links: Vec<Single>,
+    sets: Vec<Pairs>,
+    last: Vec<Single>,
+    heard: Vec<HeardLink>,
+    /// what is owed to the forces of links that are heard, by tap
+    taps: Vec<f64>,
+    /// sums of linear links, those that are listed and those of rows
+    listed: Vec<Links>,
+    rows: Vec<Links>,
+    masses: Masses,
+    /// what is owed to motions at this tick, and at the one after
+    motion: [Vec<f64>; 2],
+    /// slots where that may be
+    moved: Vec<usize>,
+    /// what was owed to the sums of forces at the tick after, as [`Parts::summed`]
+    sums: Vec<f64>,
+    /// what the state has of these while more is owed
+    before: Vec<[f64; 2]>,
+    /// what is owed to memory and lengths
+    mem: Vec<f64>,
+    lengths: Vec<f64>,
+    /// at the first tick, what is owed to motions
+    first: Vec<f64>,
+    /// the number of each number of the scene
+    place: &'a Scene,
+    /// what is owed to the numbers
+    pub owed: Vec<f64>,
+    /// what is owed to inputs at the tick at hand
+    pub inputs: Vec<f64>,
+}
+
+impl<'a> Adjoint<'a> {
+    /// Begins behind the last tick. `place` is the scene with each number replaced by its place among them, `needed` which of them
+    /// some parameter changes.
+    pub fn new(
+        scene: &'a Scene,
+        parts: &'a Parts,
+        dual: &ca_core_dual::Scene,
+        place: &'a Scene,
+        needed: &[bool],
+    ) -> Result<Adjoint<'a>, String> {
+        let mut layout = scene.layout.clone();
+        layout.e0.fill(0.0);
+        let mut a = scene.state();
+        for all in [&mut a.x, &mut a.d, &mut a.f] {
+            all.fill(0.0);
+        }
+        let is_needed = |v: f64| needed[number(v)];
+        let (coef, e0) = (&place.initial.coef, &place.layout.e0);
+        let wanted = |mut l: Links| {
+            let c = &coef[l.coef..][..l.basis.0.len() * l.n];
+            l.want(c.iter().any(|v| is_needed(*v)), e0[l.first..][..l.n].iter().any(|v| is_needed(*v)));
+            (!l.is_idle()).then_some(l)
+        };
+        let listed = |(k, basis): &(usize, Basis)| wanted(Links::listed(scene, &scene.forces[*k], basis));
+        let of_row = |(k, basis): &(usize, Basis)| Links::row(&scene.moves[*k], basis);
+        let n = scene.layout.n_mat;
+        let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
+        let no = |op: usize| {
+            let name = scene.forces[op].name;
+            format!("no reverse mode of this scene: it has the pass `{name}`; ask for forward mode")
+        };
+        let single =
+            |link: &Link| Single::new(scene, link, dual, place, &is_needed).ok_or_else(|| no(link.op));
+        let pairs =
+            |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
+        let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
+        let outputs = Outputs::of(scene);
+        let mut adjoint = Adjoint {
+            links: singles(&parts.links)?,
+            last: singles(&parts.last)?,
+            sets: parts.sets.iter().map(pairs).collect::<Result<_, _>>()?,
+            listed: parts.linear.iter().filter_map(listed).collect(),
+            rows: parts.rows.iter().flat_map(of_row).filter_map(wanted).collect(),
+            masses: Masses::new(n, own),
+            motion: [vec![0.0; n], vec![0.0; n]],
+            moved: Vec::new(),
+            sums: vec![0.0; parts.summed.len()],
+            before: Vec::new(),
+            mem: vec![0.0; scene.initial.mem.len()],
+            lengths: vec![0.0; scene.initial.lengths.len()],
+            first: vec![0.0; n],
+            owed: vec![0.0; needed.len()],
+            inputs: vec![0.0; scene.inputs.len()],
+            taps: vec![0.0; scene.layout.n_tap],
+            heard: Vec::new(),
+            layout,
+            a,
+            outputs,
+            scene,
+            parts,
+            place,
+        };
+        adjoint.heard = adjoint.heard_links();
+        adjoint.moved = adjoint.motions();
+        Ok(adjoint)
+    }
+
+    /// Linear links whose forces are heard.
+    fn heard_links(&self) -> Vec<HeardLink> {
+        let (scene, place) = (self.scene, self.place);
+        let coef = &scene.initial.coef;
+        let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| HeardLink {
+            tap,
+            ends: ends.map(|m| m as usize),
+            slopes: basis.slopes(|k| coef[at(k)]),
+            coefs: basis.0.iter().enumerate().map(|(k, b)| (number(place.initial.coef[at(k)]), *b)).collect(),
+            e0: (e0.0, number(e0.1)),
+        };
+        let mut all = Vec::new();
+        for (k, basis) in &self.parts.linear {
+            let op = &scene.forces[*k];
+            if op.form.tap {
+                all.extend((0..op.n).map(|i| {
+                    let e0 = (scene.layout.e0[op.first + i], place.layout.e0[op.first + i]);
+                    let at = |k: usize| op.coef + k * op.n + i;
+                    of(basis, op.tap + i, scene.layout.ends[op.first + i], &at, e0)
+                }));
+            }
+        }
+        for (h, other) in scene.layout.heard.iter().zip(&place.layout.heard) {
+            let row = |(k, basis): &'a (usize, Basis)| {
+                let op = &scene.moves[*k];
+                let end = op.coef + 2 * basis.0.len() * op.n;
+                (op.coef..end).contains(&(h.coef as usize)).then_some(basis)
+            };
+            let Some(basis) = self.parts.rows.iter().find_map(row) else { continue };
+            let at = |k: usize| h.coef as usize + k * h.step as usize;
+            all.push(of(basis, h.tap as usize, h.ends, &at, (h.e0, other.e0)));
+        }
+        all
+    }
+
+    /// Slots to whose motion something may be owed by itself.
+    fn motions(&self) -> Vec<usize> {
+        let l = &self.scene.layout;
+        let heard = l.outputs.iter().filter_map(|o| match o.tap {
+            ca_core::op::layout::Tap::Position(m) => Some(m as usize),
+            _ => None,
+        });
+        let links = self.links.iter().chain(&self.last).flat_map(|s| s.slots().iter().copied());
+        let sets = self.sets.iter().flat_map(|s| s.slots(self.scene));
+        let nodes = l.nodes.iter().map(|m| *m as usize);
+        let mut all: Vec<usize> =
+            heard.chain(links).chain(sets).chain(nodes).chain(self.heard.iter().flat_map(|h| h.ends)).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Goes back over tick `tick`, which began with `row`; `next` are the motions behind it, `owed` what is owed to its samples
+    /// (outputs).
+    pub fn back(&mut self, tick: usize, row: Row, next: &[f64], owed: &[f64]) {
+        let (a, owed_to, place) = (&mut self.a, &mut self.owed, self.place);
+        let [now, late] = &mut self.motion;
+        // what stands between others is given the forces of these in parts
+        let points = &self.scene.layout.moving_points;
+        let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
+        for (m, cell) in cells() {
+            a.x[m] = parts_of(cell).map(|(node, weight)| weight * a.x[node]).sum();
+        }
+        // what is heard
+        let (taps, summed) = (&mut self.taps, &self.parts.summed);
+        self.before.clear();
+        self.before.extend(summed.iter().map(|m| [a.x[*m], a.d[*m]]));
+        let gains = |at: usize, v: f64| owed_to[number(place.initial.coef[at])] += v;
+        let (x, f) = (&mut a.x, &mut a.f);
+        let to = |owed: Owed| match owed {
+            Owed::Place(m, v) => f[m] += v,
+            Owed::Motion(m, v) => now[m] += v,
+            Owed::Sum(m, v) => x[m] += v,
+            Owed::Force(t, v) => taps[t] += v,
+        };
+        self.outputs.back(tick, owed, &row, to, gains);
+        // links that go by the sums of forces, and what is owed to these by all others
+        let mut way = Way { a, now, taps, mem: &mut self.mem, lengths: &mut self.lengths, owed: owed_to };
+        let mut sums = row.sums;
+        for s in &mut self.last {
+            let (own, others) = sums.split_at(s.slots().len() + 1);
+            s.back(&row, Some(own), &mut way);
+            sums = others;
+        }
+        for (later, m) in self.sums.iter_mut().zip(summed) {
+            way.a.d[*m] = way.a.x[*m] - *later;
+            *later = way.a.x[*m];
+        }
+        self.links.iter_mut().for_each(|s| s.back(&row, None, &mut way));
+        self.sets.iter_mut().for_each(|s| s.back(self.scene, &row, &mut way));
+        let Way { a, now, taps, owed: owed_to, .. } = way;
+        for (m, cell) in cells() {
+            for (node, weight) in parts_of(cell) {
+                let (force, motion) = (a.f[m], now[m]);
+                a.f[node] += weight * force;
+                now[node] += weight * motion;
+            }
+            (a.f[m], now[m]) = (0.0, 0.0);
+        }
+        for h in &self.heard {
+            let phi = std::mem::take(&mut taps[h.tap]);
+            if phi != 0.0 {
+                h.back(&row, phi, a, now, owed_to);
+            }
+        }
+        // what does not hang together with anything
+        for op in self.scene.summed().iter().filter(|op| op.name == "weight") {
+            for (k, m) in self.scene.layout.weighed[..op.n].iter().enumerate() {
+                owed_to[number(place.initial.coef[op.coef + k])] += a.x[*m as usize];
+            }
+        }
+        self.inputs.fill(0.0);
+        for p in &self.scene.layout.enf {
+            self.inputs[p.input as usize] += a.x[p.mat as usize];
+        }
+        let e0 = &self.scene.layout.e0[..];
+        let (listed, rows, masses) = (&mut self.listed, &mut self.rows, &mut self.masses);
+        Tick { links: listed, masses: None, owed: &a.x, x: row.x, d: row.d, next, e0 }.add();
+        let mut forced = (tick == 0).then(|| {
+            let mut b = a.clone();
+            (b.d, b.x) = (b.x, b.d);
+            b.x.fill(0.0);
+            b.f.fill(0.0);
+            b
+        });
+        let layout = &self.layout;
+        for (k, _) in &self.parts.linear {
+            let op = &self.scene.forces[*k];
+            (op.kernel)(op, layout, a);
+            if let Some(b) = &mut forced {
+                (op.kernel)(op, layout, b);
+            }
+        }
+        for ([x, d], m) in self.before.iter().copied().zip(summed) {
+            (a.x[*m], a.d[*m]) = (x, d);
+        }
+        let masses = Some(masses).filter(|m| !m.is_idle());
+        Tick { links: rows, masses, owed: &a.x, x: row.x, d: row.d, next, e0 }.add();
+        for m in &self.moved {
+            a.f[*m] += now[*m] - late[*m];
+            if let Some(b) = &mut forced {
+                b.f[*m] += now[*m];
+            }
+        }
+        for (p, other) in self.scene.layout.enx.iter().zip(&place.layout.enx) {
+            // at the first tick a port has no motion
+            let owed = a.f[p.mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[p.mat as usize]);
+            self.inputs[p.input as usize] += owed;
+            owed_to[number(other.rest)] -= owed;
+        }
+        for m in &self.parts.held {
+            a.f[*m] = 0.0;
+        }
+        if let Some(mut b) = forced {
+            for m in &self.parts.held {
+                b.f[*m] = 0.0;
+            }
+            b.d.copy_from_slice(&a.x);
+            for k in &self.parts.moves {
+                let op = &self.scene.moves[*k];
+                (op.kernel)(op, layout, &mut b);
+            }
+            self.first.copy_from_slice(&b.d);
+        }
+        for k in &self.parts.moves {
+            let op = &self.scene.moves[*k];
+            (op.kernel)(op, layout, a);
+        }
+        for m in &self.moved {
+            late[*m] = std::mem::take(&mut now[*m]);
+        }
+    }
+
+    /// Ends before the first tick: what is owed to all numbers.
+    pub fn end(mut self) -> Vec<f64> {
+        let (scene, place) = (self.scene, self.place);
+        let (coef, owed, n) = (&place.initial.coef, &mut self.owed, scene.layout.n_mat);
+        let own = &scene.initial.coef;
+        for m in 0..n {
+            let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
+            if c == 0.0 {
+                continue;
+            }
+            let by_d = self.first[m] / c;
+            owed[number(place.initial.d[m])] += by_d;
+            owed[number(place.initial.x[m])] += self.a.x[m] / c - by_d;
+            let [sp, sq, sc] = &self.masses.sums;
+            let at = |sums: &[f64]| sums.get(m).copied().unwrap_or(0.0);
+            owed[number(coef[m])] += at(sp) / c;
+            owed[number(coef[n + m])] += at(sq) / c;
+            if !sc.is_empty() {
+                owed[number(coef[2 * n + m])] += (at(sc) - p * at(sp) - q * at(sq)) / (c * c);
+            }
+        }
+        for l in self.listed.iter().chain(&self.rows) {
+            for (i, (by_e, by_w)) in l.products[0].iter().zip(&l.products[1]).enumerate() {
+                for (k, [e, w]) in l.basis.0.iter().enumerate() {
+                    owed[number(coef[l.coef + k * l.n + i])] += e * by_e + w * by_w;
+                }
+            }
+            for (i, alone) in l.alone.iter().enumerate() {
+                let [slope, _] = l.basis.slopes(|k| own[l.coef + k * l.n + i]);
+                owed[number(place.layout.e0[l.first + i])] += slope * alone;
+            }
+        }
+        for (v, by) in place.initial.mem.iter().zip(&self.mem) {
+            owed[number(*v)] += by;
+        }
+        for (v, by) in place.initial.lengths.iter().zip(&self.lengths) {
+            owed[number(*v)] += by;
+        }
+        self.owed
+    }
+}
+
+/// Nodes and weights under a moving point.
+fn parts_of(cell: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let (nodes, weights) = cell.split_at(4);
+    nodes.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(node, w)| (*node as usize, *w))
+}
+
+impl HeardLink {
+    fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], owed: &mut [f64]) {
+        let ([p, q], [by_e, by_w]) = (self.ends, self.slopes);
+        let (e, w) = (row.x[q] - row.x[p] + self.e0.0, row.d[q] - row.d[p]);
+        for (m, sign) in [(q, phi), (p, -phi)] {
+            a.f[m] += sign * by_e;
+            now[m] += sign * by_w;
+        }
+        for (at, [of_e, of_w]) in &self.coefs {
+            owed[*at] += phi * (of_e * e + of_w * w);
+        }
+        owed[self.e0.1] += phi * by_e;
+    }
+}

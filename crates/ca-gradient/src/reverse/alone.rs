@@ -1,0 +1,254 @@
+//! Alone: one link over dual numbers, by the kernel of its law, and what a loss owes to its ends, memory and numbers.
+//!
+//! Decides for a scene of the ends and this link, whose state is written anew for each: so laws, measures and methods are
+//! those of the tick, and none has a derivative written by hand.
+
+use ca_core::op::{MeasureKind, Op, SolveStage};
+use ca_core_dual::State;
+use ca_core_dual::numeric::{Aligned, Dual, TANGENTS};
+use ca_core_dual::op::layout::Layout;
+use ca_core_dual::op::{self as dual_op, Form};
+use std::ops::Range;
+
+/// A port of a link.
+#[derive(Clone, Copy)]
+pub struct Port {
+    /// numbers of a point: 1, or 3 in space
+    pub axes: usize,
+    /// its distance of the last tick is kept
+    pub follows: bool,
+    /// its first slot; those of the second end follow those of the first
+    first: usize,
+}
+
+impl Port {
+    /// The slots of its second end.
+    pub fn second(&self) -> Range<usize> {
+        self.first + self.axes..self.first + 2 * self.axes
+    }
+
+    /// The slots of both ends.
+    pub fn slots(&self) -> Range<usize> {
+        self.first..self.first + 2 * self.axes
+    }
+}
+
+/// What a link reads, in one list: places of its ends, motions, forces on them, P, Q and C of these, coefficients, memory,
+/// last lengths, the constant part of the elongation, and what ports in space need.
+pub struct Shape {
+    /// one, or two of a quadripole
+    pub ports: Vec<Port>,
+    /// numbers of all ends
+    pub slots: usize,
+    /// coefficients
+    pub coefs: usize,
+    /// numbers of memory
+    pub mem: usize,
+    /// it goes by the sum of the forces
+    pub last: bool,
+}
+
+impl Shape {
+    /// That of the links of a pass.
+    pub fn of(op: &Op) -> Option<Shape> {
+        let law = op.law?;
+        // what is not looked at before it is measured has the distance of the last tick
+        let looked_at = law.contact && law.mem == 0 && op.form.onto.is_none();
+        let last = matches!(law.stage, SolveStage::Single(_));
+        let (mut ports, mut first) = (Vec::new(), 0);
+        for measure in [Some(op.form.measure), op.form.onto].into_iter().flatten() {
+            let axes = if measure == MeasureKind::Line { 1 } else { 3 };
+            ports.push(Port { axes, follows: measure == MeasureKind::Radial && !looked_at && !last, first });
+            first += 2 * axes;
+        }
+        Some(Shape { ports, slots: first, coefs: law.coefs, mem: law.mem, last })
+    }
+
+    /// The places.
+    pub fn x(&self) -> usize {
+        0
+    }
+    /// The motions.
+    pub fn d(&self) -> usize {
+        self.slots
+    }
+    /// The forces.
+    pub fn f(&self) -> usize {
+        2 * self.slots
+    }
+    /// P, then Q, then C.
+    pub fn own(&self) -> usize {
+        3 * self.slots
+    }
+    /// The coefficients.
+    pub fn coef(&self) -> usize {
+        6 * self.slots
+    }
+    /// The memory.
+    pub fn memory(&self) -> usize {
+        self.coef() + self.coefs
+    }
+    /// The last lengths, of each port.
+    pub fn length(&self) -> usize {
+        self.memory() + self.mem
+    }
+    /// The constant part of the elongation.
+    pub fn e0(&self) -> usize {
+        self.length() + self.ports.len()
+    }
+    /// What ports in space need, four numbers of each port.
+    pub fn reach(&self) -> usize {
+        self.e0() + 1
+    }
+    /// How many there are.
+    fn len(&self) -> usize {
+        self.reach() + 4 * self.ports.len()
+    }
+
+    /// Of what the link reads, that to which something is owed on in each tick. Of two ends one is enough, where the force goes by
+    /// their difference alone. `motions`: lengths before are not kept, and had from motion.
+    pub fn carried(&self, motions: bool) -> Vec<usize> {
+        let mut all = Vec::new();
+        if self.last {
+            all.extend(self.x()..self.own());
+        } else {
+            for p in &self.ports {
+                all.extend(p.second().map(|k| self.x() + k));
+                all.extend(p.second().filter(|_| motions || !p.follows).map(|k| self.d() + k));
+            }
+        }
+        all.extend(self.memory()..self.length());
+        all.extend(self.ports.iter().enumerate().filter(|(_, p)| p.follows).map(|(k, _)| self.length() + k));
+        all
+    }
+}
+
+/// A link that is run alone, or several of one pass one after the other.
+pub struct Alone {
+    /// what they read
+    pub shape: Shape,
+    op: dual_op::Op,
+    layout: Layout,
+    s: State,
+    /// what the link at hand reads
+    pub given: Vec<f64>,
+    /// what a loss owes to each of it
+    pub owed: Vec<f64>,
+}
+
+/// What a loss owes to what a link does.
+pub struct Owed<'a> {
+    /// forces on its ends (slots)
+    pub force: &'a [f64],
+    /// its own force
+    pub tap: f64,
+    /// memory, as it is afterwards
+    pub memory: &'a [f64],
+    /// lengths, as they are afterwards (ports)
+    pub lengths: [f64; 2],
+}
+
+impl Alone {
+    /// The links of a pass, whose law is one of the `dual` scene; `None` where that has none such.
+    pub fn new(op: &Op, dual: &ca_core_dual::Scene) -> Option<Alone> {
+        let shape = Shape::of(op)?;
+        let of_law = |o: &&dual_op::Op| o.law.is_some_and(|law| Some(law.code) == op.law.map(|law| law.code));
+        let law = dual.forces.iter().find(of_law)?.law?;
+        let measure = |of: MeasureKind| match of {
+            MeasureKind::Line => dual_op::MeasureKind::Line,
+            MeasureKind::Along => dual_op::MeasureKind::Along,
+            MeasureKind::Radial => dual_op::MeasureKind::Radial,
+        };
+        let onto = op.form.onto.map(measure);
+        let form = Form { measure: measure(op.form.measure), onto, offset: true, tap: true, ..Form::default() };
+        let ports = dual_op::Ports { measure: form.measure, onto: onto.map(|m| (m, 0, 1)), ..Default::default() };
+        let pass = dual_op::Op::pass(law.code, (law.kernel)(form), 1);
+        let slots = shape.slots;
+        let ends = |p: &Port| [p.first as u32, (p.first + p.axes) as u32];
+        let layout = Layout {
+            n_mat: slots,
+            ends: vec![ends(&shape.ports[0])],
+            onto: shape.ports[1..].iter().map(ends).collect(),
+            e0: vec![Dual::default()],
+            reach: vec![[Dual::default(); 4]; shape.ports.len()],
+            rest: vec![Dual::default(); slots],
+            tables: dual.layout.tables.clone(),
+            vectors: dual.layout.vectors,
+            ..Layout::default()
+        };
+        let mut s = State::default();
+        (s.x, s.d, s.f) = (Aligned::zeros(slots), Aligned::zeros(slots), Aligned::zeros(slots));
+        s.coef = Aligned::zeros(3 * slots + shape.coefs);
+        s.mem = vec![Dual::default(); shape.mem];
+        s.lengths = Aligned::zeros(shape.ports.len());
+        s.tap = Aligned::zeros(1);
+        Some(Alone {
+            op: dual_op::Op { law: Some(law), form, ports, coef: 3 * slots, ..pass },
+            layout,
+            s,
+            given: vec![0.0; shape.len()],
+            owed: vec![0.0; shape.len()],
+            shape,
+        })
+    }
+
+    /// What a loss owes to the numbers at `wanted`, by what it owes to all that the link does.
+    pub fn owe(&mut self, by: &Owed, wanted: &[usize]) {
+        for some in wanted.chunks(TANGENTS) {
+            self.load(some);
+            (self.op.kernel)(&self.op, &self.layout, &mut self.s);
+            let s = &self.s;
+            let mut sums = [0.0; TANGENTS];
+            let mut add = |v: &Dual, by: f64| {
+                for (sum, t) in sums.iter_mut().zip(v.tangents()) {
+                    *sum += by * t;
+                }
+            };
+            s.f.iter().zip(by.force).for_each(|(v, by)| add(v, *by));
+            s.mem.iter().zip(by.memory).for_each(|(v, by)| add(v, *by));
+            s.lengths.iter().zip(by.lengths).for_each(|(v, by)| add(v, by));
+            add(&s.tap[0], by.tap);
+            for (at, sum) in some.iter().zip(sums) {
+                self.owed[*at] = sum;
+            }
+        }
+    }
+
+    /// Writes what is given, with a tangent for each of `some`.
+    fn load(&mut self, some: &[usize]) {
+        let s = &mut self.s;
+        let mut at = 0;
+        let mut number = |to: &mut Dual| {
+            *to = Dual::constant(self.given[at]);
+            at += 1;
+        };
+        for all in [&mut s.x, &mut s.d, &mut s.f, &mut s.coef] {
+            all.iter_mut().for_each(&mut number);
+        }
+        s.mem.iter_mut().for_each(&mut number);
+        s.lengths.iter_mut().for_each(&mut number);
+        number(&mut self.layout.e0[0]);
+        self.layout.reach.as_flattened_mut().iter_mut().for_each(&mut number);
+        for (lane, at) in some.iter().enumerate() {
+            if let Some(v) = self.at(*at) {
+                v.tangents_mut()[lane] = 1.0;
+            }
+        }
+    }
+
+    /// The number at a place of the list.
+    fn at(&mut self, at: usize) -> Option<&mut Dual> {
+        let (sh, s) = (&self.shape, &mut self.s);
+        let n = sh.slots;
+        match at {
+            _ if at < sh.d() => s.x.get_mut(at),
+            _ if at < sh.f() => s.d.get_mut(at - n),
+            _ if at < sh.own() => s.f.get_mut(at - 2 * n),
+            _ if at < sh.memory() => s.coef.get_mut(at - 3 * n),
+            _ if at < sh.length() => s.mem.get_mut(at - sh.memory()),
+            _ if at < sh.e0() => s.lengths.get_mut(at - sh.length()),
+            _ if at < sh.reach() => self.layout.e0.first_mut(),
+            _ => self.layout.reach.as_flattened_mut().get_mut(at - sh.reach()),
+        }
+    }
+}

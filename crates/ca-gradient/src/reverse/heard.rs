@@ -1,0 +1,107 @@
+//! Heard: outputs on the way back, from what a loss owes to samples to what it owes to places, motions and forces.
+
+use crate::reverse::record::Row;
+use ca_core::Scene;
+use ca_core::op::layout::{Blocker, Tap};
+
+/// What an output hears, and how.
+struct Heard {
+    channel: usize,
+    tap: Tap,
+    gain: f64,
+    /// index of the gain into the coefficients
+    at: usize,
+    /// it hears motion
+    motion: bool,
+    high_pass: Option<Blocker>,
+    /// what is owed to the high pass at the tick after
+    kept: f64,
+}
+
+/// The outputs of a scene.
+pub struct Outputs {
+    all: Vec<Heard>,
+    /// half of the low-pass, up to its middle
+    low_pass: Vec<f64>,
+    channels: usize,
+    n_out: usize,
+}
+
+/// What is owed to what is heard at a tick.
+pub enum Owed {
+    Place(usize, f64),
+    Motion(usize, f64),
+    /// the sum of the forces on a slot
+    Sum(usize, f64),
+    /// the force of a link, by its index into the taps
+    Force(usize, f64),
+}
+
+impl Outputs {
+    /// Those of a scene.
+    pub fn of(scene: &Scene) -> Outputs {
+        let l = &scene.layout;
+        let gains = scene.writes.iter().find(|op| op.name == "outputs").map_or(0, |op| op.coef);
+        let [motion, passed] = l.of_motion;
+        let (n, high) = (l.outputs.len(), l.blockers.len());
+        let heard = |(k, o): (usize, &ca_core::op::layout::Output)| Heard {
+            channel: o.channel as usize,
+            tap: o.tap,
+            gain: scene.initial.coef[gains + k],
+            at: gains + k,
+            motion: k >= n - passed || (n - high - motion..n - high).contains(&k),
+            high_pass: k.checked_sub(n - high).map(|k| l.blockers[k]),
+            kept: 0.0,
+        };
+        Outputs {
+            all: l.outputs.iter().enumerate().map(heard).collect(),
+            low_pass: l.lowpass.clone(),
+            channels: l.channels,
+            n_out: l.n_out,
+        }
+    }
+
+    /// What is owed to the channels before their low-pass (frames x outputs).
+    pub fn before_low_pass(&self, cotangent: &[f64]) -> Vec<f64> {
+        let mut all = cotangent.to_vec();
+        let Some((middle, sides)) = self.low_pass.split_last() else { return all };
+        let (frames, n) = (cotangent.len() / self.n_out.max(1), 2 * sides.len() + 1);
+        for channel in 0..self.channels {
+            let of = |frame: usize| if frame < frames { cotangent[frame * self.n_out + channel] } else { 0.0 };
+            for frame in 0..frames {
+                let each = sides.iter().enumerate().map(|(k, h)| h * (of(frame + k) + of(frame + n - 1 - k)));
+                all[frame * self.n_out + channel] = middle * of(frame + sides.len()) + each.sum::<f64>();
+            }
+        }
+        all
+    }
+
+    /// Goes one tick back: `owed` to its samples (outputs); tells of what is heard, and adds to `gains` by the index of each.
+    pub fn back(
+        &mut self,
+        tick: usize,
+        owed: &[f64],
+        row: &Row,
+        mut to: impl FnMut(Owed),
+        mut gains: impl FnMut(usize, f64),
+    ) {
+        let mut forces = row.heard.iter();
+        for h in &mut self.all {
+            let mut v = owed[h.channel];
+            if let Some(c) = h.high_pass {
+                // what is heard at load has always been there
+                let now = if tick > 0 { v + c.r * h.kept } else { 0.0 };
+                v = c.g * (now - h.kept);
+                h.kept = now;
+            }
+            let (raw, owed) = match h.tap {
+                Tap::Position(m) if h.motion => (row.d[m as usize], Owed::Motion(m as usize, h.gain * v)),
+                Tap::Position(m) => (row.x[m as usize], Owed::Place(m as usize, h.gain * v)),
+                Tap::ForceOn(m) => (forces.next().copied().unwrap_or(0.0), Owed::Sum(m as usize, h.gain * v)),
+                Tap::ForceOf(t) => (forces.next().copied().unwrap_or(0.0), Owed::Force(t as usize, h.gain * v)),
+            };
+            gains(h.at, v * raw);
+            to(owed);
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Reverse: what a loss owes to all numbers of a scene and to all inputs at once, by one way back through its ticks.
+//!
+//! Decides against a tape, which would keep every operation of every tick. Between two ticks only places, motions and memory
+//! decide the future: the scene is played once, with a state kept every √n ticks; then, from the last stretch between two such to the
+//! first, it is played once more ([`record`]) and gone back over tick by tick ([`adjoint`]). What is linear goes back as fast as it
+//! plays, since its transpose is itself; every other link is run alone, over dual numbers ([`alone`]). So time does not
+//! grow with the number of parameters, nor memory with more than the root of that of ticks.
+//!
+//! The derivatives are those of forward mode: at a contact's switch, one-sided in the same sense. What a parameter makes of the numbers
+//! of a scene is had by differences, as there.
+
+mod adjoint;
+mod alone;
+mod heard;
+mod parts;
+mod record;
+mod single;
+mod sums;
+
+use crate::difference::{Start, derivatives};
+use crate::forward::{BLOCK, diverged};
+use crate::{Error, Forward, GoesOn, Parameter};
+use adjoint::Adjoint;
+use ca_core::op::layout::CoordinateSource;
+use ca_core::{Scene, State};
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use cordis_anima::{Loaded, Options};
+use heard::Outputs;
+use parts::Parts;
+use record::Record;
+
+/// A scene that is gone back over.
+pub struct Reverse {
+    scene: Scene,
+    parts: Parts,
+    dual: ca_core_dual::Scene,
+    /// the scene, each of its numbers replaced by its place among them
+    place: Scene,
+    parameters: Vec<Parameter>,
+    /// of each parameter, the derivatives of the numbers of the scene
+    derivatives: Vec<Vec<f64>>,
+    /// which numbers some parameter changes
+    needed: Vec<bool>,
+}
+
+/// The number that a place of an array of [`Reverse::place`] has.
+fn number(v: f64) -> usize {
+    v as usize
+}
+
+/// What a loss owes to what a scene is given.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradient {
+    /// derivatives of the loss by each parameter, per its unit
+    pub parameters: Vec<f64>,
+    /// derivatives by what each port is given in each sample, per m or N (frames x inputs); 0 of the ports of devices
+    pub inputs: Vec<f64>,
+}
+
+impl Reverse {
+    /// A model and by which parameters is differentiated, as [`Forward::new`].
+    ///
+    /// # Errors
+    /// As [`Forward::new`]; and [`Error::Refused`] where the scene has a pass, or a parameter changes a number, that reverse mode does
+    /// not know.
+    pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Reverse, Error> {
+        let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
+        let forward = Forward::begun(loaded, &options, wrt)?;
+        // as the dual scene is read, so that both stand for the same text
+        let written = |text: &str| Loaded { clouds: loaded.clouds.clone(), ..Loaded::read(text, &loaded.model.file) };
+        let compiled = |text: &str| -> Result<Scene, Error> { Ok(written(text).compile(&options)?.scene) };
+        let scene = compiled(&forward.text(None))?;
+        let parts = Parts::of(&scene).map_err(Error::Refused)?;
+        let start = Start::of_plain(compiled(&forward.text(None))?);
+        let mut all = Vec::new();
+        for p in forward.parameters() {
+            let bounds = Options { bounds_only: true, ..options.clone() };
+            let other = |value: f64| {
+                let found = written(&forward.text(Some((p, value)))).compile(&bounds);
+                found.map(|c| Start::of_plain(c.scene)).map_err(|e| crate::forward::first_of(&e.diags))
+            };
+            all.push(derivatives(&start, p, &other)?);
+        }
+        let mut place = compiled(&forward.text(None))?;
+        let mut count = 0.0;
+        place.numbers(&mut |v| {
+            *v = count;
+            count += 1.0;
+        });
+        let needed: Vec<bool> = (0..count as usize).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
+        let reverse = Reverse {
+            dual: forward.dual().map_err(Error::Refused)?,
+            parameters: forward.parameters().to_vec(),
+            derivatives: all,
+            scene,
+            parts,
+            place,
+            needed,
+        };
+        reverse.check().map_err(Error::Refused)?;
+        Ok(reverse)
+    }
+
+    /// Refuses what a parameter changes and no way back leads to.
+    fn check(&self) -> Result<(), String> {
+        let mut place = self.place.layout.clone();
+        let coef = &self.place.initial.coef;
+        let mut wanted: Vec<(f64, &str)> = Vec::new();
+        for t in &mut place.tables {
+            t.numbers(&mut |v| wanted.push((*v, "a table of a law")));
+        }
+        wanted.extend(place.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
+        wanted.extend(place.blockers.iter().flat_map(|b| [b.r, b.g]).map(|v| (v, "the high pass of an output")));
+        for p in &place.moving_points {
+            let at = p.at.iter().filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
+            wanted.extend(at.map(|v| (v, "where a point is on a string or a skin")));
+        }
+        for (_, what) in wanted.into_iter().filter(|(v, _)| self.needed[*v as usize]) {
+            return Err(format!("no reverse mode: a parameter changes {what}; ask for forward mode"));
+        }
+        Ok(())
+    }
+
+    /// The sound rate \[Hz\].
+    pub fn rate(&self) -> f64 {
+        self.scene.rate
+    }
+
+    /// How many numbers a sample has: the sound channels, then the probes.
+    pub fn outputs(&self) -> usize {
+        self.scene.n_out
+    }
+
+    /// By what is differentiated.
+    pub fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    /// The gradient of a loss of what is heard, from its cotangent (frames x outputs), as [`Forward::gradient`]; by what ports are
+    /// given too.
+    ///
+    /// # Errors
+    /// As [`Forward::gradient`].
+    pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Gradient, Error> {
+        let scene = &self.scene;
+        let outputs = scene.n_out.max(1);
+        let frames = crate::forward::frames_of(cotangent, outputs)?;
+        let mut p = Performance::new(scene, gesture)?;
+        crate::forward::known(scene, &p)?;
+        let hands = (0..scene.inputs.len()).any(|i| p.hand(i).is_some());
+        if hands && scene.before.is_some() {
+            return Err(Error::refused(
+                "no reverse mode: where a port is at load is part of the start; ask for forward mode",
+            ));
+        }
+        let (inputs, stretch) = (scene.inputs.len(), (frames as f64).sqrt().ceil() as usize);
+        let mut given = Vec::with_capacity(frames * inputs);
+        let mut kept: Vec<State> = Vec::new();
+        let mut row = Vec::new();
+        for first in (0..frames).step_by(stretch) {
+            kept.push(p.state.clone());
+            let ticks = stretch.min(frames - first);
+            if inputs == 0 {
+                row.clear();
+                p.ticks(ticks as u64, &mut row);
+            } else {
+                for _ in 0..ticks {
+                    p.tick();
+                    given.extend_from_slice(&p.state.input);
+                }
+            }
+            if !goes_on() {
+                return Err(Error::Stopped);
+            }
+        }
+        if p.diverged {
+            return Err(diverged());
+        }
+        let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
+        let mut back = back.map_err(Error::Refused)?;
+        let owed = Outputs::of(scene).before_low_pass(cotangent);
+        let mut by_inputs = vec![0.0; frames * inputs];
+        let mut record = Record::new(scene, &self.parts, stretch);
+        let mut asked = 0;
+        for (k, mut s) in kept.into_iter().enumerate().rev() {
+            let first = k * stretch;
+            let ticks = stretch.min(frames - first);
+            record.play(scene, &self.parts, &mut s, &given[first * inputs..][..ticks * inputs], ticks);
+            for i in (0..ticks).rev() {
+                let tick = first + i;
+                let next = record.row(i + 1).d;
+                let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
+                back.back(tick, record.row(i), next, owed);
+                by_inputs[tick * inputs..][..inputs].copy_from_slice(&back.inputs);
+            }
+            asked += ticks as u64;
+            if asked >= BLOCK {
+                asked = 0;
+                if !goes_on() {
+                    return Err(Error::Stopped);
+                }
+            }
+        }
+        let numbers = back.end();
+        let by = |d: &Vec<f64>| d.iter().zip(&numbers).filter(|(d, _)| **d != 0.0).map(|(d, owed)| d * owed).sum();
+        Ok(Gradient { parameters: self.derivatives.iter().map(by).collect(), inputs: by_inputs })
+    }
+}

@@ -1,0 +1,160 @@
+//! Parts: what a tick of a scene is made of, as reverse mode takes it.
+//!
+//! Decides for three kinds of links. Linear ones on a line have transposes that are themselves, so that the passes of the
+//! scene run them backwards too, whatever their layout. All others are run one by one over dual numbers, each by the kernel of its law
+//! alone. Those whose force depends on the sum of others come last in a tick, and first on the way back.
+//! What is neither is refused, by the name of its pass; forward mode has no such bounds.
+
+use crate::reverse::single::slots;
+use ca_core::Scene;
+use ca_core::op::layout::{MeasureKind, Tap};
+use ca_core::op::{Integrate, Law, Op, SolveStage};
+
+/// The parts of a tick.
+pub struct Parts {
+    /// linear links whose forces are summed, as indices into [`Scene::forces`], each with what its law is made of
+    pub linear: Vec<(usize, Basis)>,
+    /// linear links of rows that integrate, as indices into [`Scene::moves`]
+    pub rows: Vec<(usize, Basis)>,
+    /// links one by one
+    pub links: Vec<Link>,
+    /// links between all pairs of two sets, as indices into [`Scene::forces`]
+    pub sets: Vec<usize>,
+    /// those that go by the sum of the forces
+    pub last: Vec<Link>,
+    /// passes that move masses, as indices into [`Scene::moves`]
+    pub moves: Vec<usize>,
+    /// slots that a port moves, or that stand between others
+    pub held: Vec<usize>,
+    /// outputs that hear forces, by their taps
+    pub hears: Vec<Tap>,
+    /// slots of which the sum of the forces is heard, or a link of `last` goes by it
+    pub summed: Vec<usize>,
+}
+
+/// A link that is run alone.
+pub struct Link {
+    /// index into [`Scene::forces`]
+    pub op: usize,
+    /// which one of it
+    pub i: usize,
+    /// slots of its ends, port by port, first ends first
+    pub slots: Vec<usize>,
+}
+
+/// A linear law F = Σ c (α e + β w): α and β of each coefficient.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis(pub Vec<[f64; 2]>);
+
+impl Basis {
+    /// That of a law, if it is linear in its coefficients too.
+    fn of(law: &Law) -> Option<Basis> {
+        let force = |c: &[f64], e: f64, w: f64| (law.force)(c, &mut [], &[], e, w);
+        let one = |k: usize| {
+            let mut c = vec![0.0; law.coefs];
+            c[k] = 1.0;
+            [force(&c, 1.0, 0.0), force(&c, 0.0, 1.0)]
+        };
+        let basis = Basis((0..law.coefs).map(one).collect());
+        let c: Vec<f64> = (0..law.coefs).map(|k| 0.75 + 0.5 * k as f64).collect();
+        let [by_e, by_w] = basis.slopes(|k| c[k]);
+        (force(&c, 0.625, -0.375) == 0.625 * by_e - 0.375 * by_w).then_some(basis)
+    }
+
+    /// The slopes of a link against elongation and its change, from its coefficients.
+    pub fn slopes(&self, coef: impl Fn(usize) -> f64) -> [f64; 2] {
+        let sum = |which: usize| self.0.iter().enumerate().map(|(k, of)| coef(k) * of[which]).sum();
+        [sum(0), sum(1)]
+    }
+}
+
+/// What the law of a batch of links on a line is made of, if it is linear.
+fn basis(op: &Op) -> Option<Basis> {
+    let law = op.law.filter(|law| law.linear && law.mem == 0 && matches!(law.stage, SolveStage::Explicit))?;
+    (op.form.onto.is_none() && op.form.measure == MeasureKind::Line && !law.implicit).then(|| Basis::of(law))?
+}
+
+impl Parts {
+    /// The parts of a scene, or the pass that reverse mode does not know.
+    pub fn of(scene: &Scene) -> Result<Parts, String> {
+        let no = |what: &str| format!("no reverse mode of this scene: {what}; ask for forward mode");
+        let pass = |op: &Op| no(&format!("it has the pass `{}`", op.name));
+        if scene.oversample() > 1 {
+            return Err(no("its samples have several ticks"));
+        }
+        if scene.slow.is_some() {
+            return Err(no("it has groups at the gesture rate"));
+        }
+        let known = |list: &[Op], names: &[&str]| list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)));
+        known(&scene.reads, &["ENX", "TGR in", "changes", "aim", "points"])?;
+        let writes =
+            ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
+        known(&scene.writes, &writes)?;
+        let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+        let mut parts = Parts {
+            linear: Vec::new(),
+            rows: Vec::new(),
+            links: Vec::new(),
+            last: Vec::new(),
+            moves: Vec::new(),
+            held: ports.map(|p| p.mat).chain(scene.layout.moving_points.iter().map(|p| p.mat)).map(|m| m as usize).collect(),
+            sets: Vec::new(),
+            hears: scene.layout.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
+            summed: Vec::new(),
+        };
+        let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
+        for (k, op) in scene.summed().iter().enumerate() {
+            let Some(law) = op.law else {
+                if matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") { continue } else { return Err(pass(op)) }
+            };
+            if law.implicit || op.form.set && op.form.tap {
+                return Err(pass(op));
+            }
+            if op.form.set {
+                parts.sets.push(k);
+                continue;
+            }
+            // of what stands between others the weights may change from tick to tick
+            let between = |m: &usize| points.contains(m);
+            let at_points = (0..op.n).any(|i| slots(scene, op, i).iter().any(between));
+            if let Some(basis) = basis(op).filter(|_| !at_points) {
+                parts.linear.push((k, basis));
+                continue;
+            }
+            let to = match law.stage {
+                SolveStage::Explicit => &mut parts.links,
+                SolveStage::Single(_) => &mut parts.last,
+                SolveStage::Coupled(_) => return Err(pass(op)),
+            };
+            // a place in a row that no link takes has one end
+            let takes = |i: &usize| scene.layout.ends[op.first + i][0] != scene.layout.ends[op.first + i][1];
+            to.extend((0..op.n).filter(takes).map(|i| Link { op: k, i, slots: slots(scene, op, i) }));
+            if at_points && matches!(law.stage, SolveStage::Single(_)) {
+                return Err(pass(op));
+            }
+        }
+        for (k, op) in scene.moves.iter().enumerate() {
+            match (op.law, op.name) {
+                (Some(_), _) => parts.rows.push((k, basis(op).ok_or_else(|| pass(op))?)),
+                (None, "integrate MAS" | "integrate CEL") => {}
+                (None, "flush") => continue,
+                (None, _) => return Err(pass(op)),
+            }
+            parts.moves.push(k);
+        }
+        let sums = scene.layout.outputs.iter().filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m as usize) } else { None });
+        parts.summed = sums.chain(parts.last.iter().flat_map(|l| l.slots.iter().copied())).collect();
+        parts.summed.sort_unstable();
+        parts.summed.dedup();
+        // of rows that integrate, no such sum is there to be heard
+        for (k, _) in &parts.rows {
+            let op = &scene.moves[*k];
+            let masses = op.mat..op.mat + op.n + usize::from(!op.form.folded);
+            debug_assert!(op.form.integrate != Integrate::No);
+            if parts.summed.iter().any(|m| masses.contains(m)) {
+                return Err(pass(op));
+            }
+        }
+        Ok(parts)
+    }
+}

@@ -1,0 +1,125 @@
+//! Record: a stretch of ticks, played once more for the way back.
+
+use crate::reverse::parts::Parts;
+use ca_core::op::Op;
+use ca_core::op::layout::Tap;
+use ca_core::{Scene, State};
+
+/// What a tick began with, after its ports were read.
+#[derive(Clone, Copy)]
+pub struct Row<'a> {
+    /// places and motions (slots)
+    pub x: &'a [f64],
+    pub d: &'a [f64],
+    /// memory of laws
+    pub mem: &'a [f64],
+    /// last lengths
+    pub lengths: &'a [f64],
+    /// for each link that goes by the sum of the forces, that on its ends, and how much the link adds (any)
+    pub sums: &'a [f64],
+    /// what outputs hear of forces, as [`Parts::hears`]
+    pub heard: &'a [f64],
+    /// nodes and weights under each moving point (points x 8)
+    pub cells: &'a [f64],
+}
+
+/// So many ticks one after the other, and the places and motions behind the last.
+pub struct Record {
+    /// how many numbers of each kind a tick has, in the order of [`Row`]
+    parts: [usize; 7],
+    width: usize,
+    all: Vec<f64>,
+}
+
+impl Record {
+    /// Room for so many ticks of a scene.
+    pub fn new(scene: &Scene, parts: &Parts, ticks: usize) -> Record {
+        let n = scene.layout.n_mat;
+        let remembers = !parts.links.is_empty() || !parts.last.is_empty();
+        let (mem, lengths) = if remembers { (scene.initial.mem.len(), scene.initial.lengths.len()) } else { (0, 0) };
+        let sums = parts.last.iter().map(|l| l.slots.len() + 1).sum();
+        let parts = [n, n, mem, lengths, sums, parts.hears.len(), 8 * scene.layout.moving_points.len()];
+        let width = parts.iter().sum();
+        Record { parts, width, all: vec![0.0; (ticks + 1) * width] }
+    }
+
+    /// What tick `k` of the stretch began with.
+    pub fn row(&self, k: usize) -> Row<'_> {
+        let [n, _, mems, lengths, sums, hears, _] = self.parts;
+        let (x, rest) = self.all[k * self.width..][..self.width].split_at(n);
+        let (d, rest) = rest.split_at(n);
+        let (mem, rest) = rest.split_at(mems);
+        let (lengths, rest) = rest.split_at(lengths);
+        let (sums, rest) = rest.split_at(sums);
+        let (heard, cells) = rest.split_at(hears);
+        Row { x, d, mem, lengths, sums, heard, cells }
+    }
+
+    /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
+    pub fn play(&mut self, scene: &Scene, parts: &Parts, s: &mut State, given: &[f64], ticks: usize) {
+        let run = |list: &[Op], s: &mut State| {
+            for op in list {
+                (op.kernel)(op, &scene.layout, s);
+            }
+        };
+        let last = parts.last.first().map_or(scene.summed().len(), |l| l.op);
+        let (before, behind) = scene.summed().split_at(last);
+        let heard = scene.writes.iter().find(|op| op.name == "heard links");
+        let inputs = scene.inputs.len();
+        let [n, _, mems, lengths, sums, heard_forces, _] = self.parts;
+        for k in 0..ticks {
+            s.input.copy_from_slice(&given[k * inputs..][..inputs]);
+            run(&scene.reads, s);
+            let (x, rest) = self.all[k * self.width..][..self.width].split_at_mut(n);
+            let (d, rest) = rest.split_at_mut(n);
+            let (mem, rest) = rest.split_at_mut(mems);
+            let (lengths, rest) = rest.split_at_mut(lengths);
+            let (sums, rest) = rest.split_at_mut(sums);
+            let (hears, cells) = rest.split_at_mut(heard_forces);
+            x.copy_from_slice(&s.x);
+            d.copy_from_slice(&s.d);
+            mem.copy_from_slice(&s.mem[..mem.len()]);
+            lengths.copy_from_slice(&s.lengths[..lengths.len()]);
+            for (to, c) in cells.chunks_exact_mut(8).zip(&s.cells) {
+                for q in 0..4 {
+                    (to[q], to[4 + q]) = (f64::from(c.node[q]), if q < c.n { c.weight[q] } else { 0.0 });
+                }
+            }
+            run(before, s);
+            let mut at = 0;
+            for l in &parts.last {
+                for slot in &l.slots {
+                    sums[at] = s.f[*slot];
+                    at += 1;
+                }
+                at += 1;
+            }
+            run(behind, s);
+            at = 0;
+            for l in &parts.last {
+                let added = l.slots.iter().zip(&sums[at..]).fold(0.0, |most: f64, (m, f)| most.max((s.f[*m] - f).abs()));
+                at += l.slots.len();
+                sums[at] = added;
+                at += 1;
+            }
+            if !hears.is_empty() {
+                if let Some(op) = heard {
+                    (op.kernel)(op, &scene.layout, s);
+                }
+                for (to, tap) in hears.iter_mut().zip(&parts.hears) {
+                    *to = match tap {
+                        Tap::Position(m) => s.x[*m as usize],
+                        Tap::ForceOn(m) => s.f[*m as usize],
+                        Tap::ForceOf(t) => s.tap[*t as usize],
+                    };
+                }
+            }
+            run(&scene.moves, s);
+            s.tick += 1;
+        }
+        let row = &mut self.all[ticks * self.width..][..self.width];
+        let (x, rest) = row.split_at_mut(self.parts[0]);
+        x.copy_from_slice(&s.x);
+        rest[..self.parts[1]].copy_from_slice(&s.d);
+    }
+}

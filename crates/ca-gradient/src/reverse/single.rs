@@ -1,0 +1,279 @@
+//! Single: links that are run alone, on the way back over a tick.
+
+use crate::reverse::alone::{Alone, Owed, Port, Shape};
+use crate::reverse::number;
+use crate::reverse::parts::Link;
+use crate::reverse::record::Row;
+use ca_core::op::{MeasureKind, Op};
+use ca_core::{Scene, State};
+
+/// Where what is owed goes.
+pub struct Way<'w> {
+    /// the state that plays backwards: its places are what is owed to forces, its forces what is owed to places
+    pub a: &'w mut State,
+    /// what is owed to motions at this tick (slots)
+    pub now: &'w mut [f64],
+    /// what is owed to the forces of links that are heard, by tap
+    pub taps: &'w mut [f64],
+    /// what is owed to memory and lengths
+    pub mem: &'w mut [f64],
+    pub lengths: &'w mut [f64],
+    /// what is owed to the numbers of the scene
+    pub owed: &'w mut [f64],
+}
+
+/// A link that is run alone, with its numbers.
+pub struct Single {
+    alone: Alone,
+    /// slots of its ends
+    slots: Vec<usize>,
+    /// first number of its memory, and those of its lengths
+    mem: usize,
+    lengths: Vec<usize>,
+    tap: Option<usize>,
+    /// elongations at which there is no force, of contacts on a line without memory
+    idle: Option<(f64, f64)>,
+    /// what it reads that some parameter changes: index into what it reads, and into the numbers
+    numbers: Vec<(usize, usize)>,
+    /// what it reads of which is asked what is owed to it, in each tick, and where lengths before are not kept
+    wanted: [Vec<usize>; 2],
+}
+
+impl Single {
+    /// A link of a scene; `place` and `needed` as for [`Adjoint`](super::adjoint::Adjoint).
+    pub fn new(
+        scene: &Scene,
+        link: &Link,
+        dual: &ca_core_dual::Scene,
+        place: &Scene,
+        needed: &impl Fn(f64) -> bool,
+    ) -> Option<Single> {
+        let op = &scene.forces[link.op];
+        let mut alone = Alone::new(op, dual)?;
+        let (sh, n, i) = (&alone.shape, scene.layout.n_mat, link.i);
+        let reaches: Vec<usize> =
+            [Some(op.ports.reach), op.ports.onto.map(|o| o.2)].into_iter().flatten().map(|r| r + i).collect();
+        let mut all: Vec<(usize, f64, f64)> = Vec::new();
+        let coefs = [&scene.initial.coef, &place.initial.coef];
+        let mut number_at = |k: usize, [v, at]: [f64; 2]| all.push((k, v, at));
+        for k in 0..sh.coefs {
+            number_at(sh.coef() + k, coefs.map(|c| c[op.coef + k * op.n + i]));
+        }
+        number_at(sh.e0(), [scene, place].map(|s| s.layout.e0[op.first + i]));
+        for (which, (p, r)) in sh.ports.iter().zip(&reaches).enumerate().filter(|(_, (p, _))| p.axes > 1) {
+            debug_assert_eq!(p.axes, 3);
+            for k in 0..4 {
+                number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.reach[*r][k]));
+            }
+        }
+        for (k, slot) in link.slots.iter().enumerate() {
+            for which in 0..3 {
+                number_at(sh.own() + which * sh.slots + k, coefs.map(|c| c[which * n + slot]));
+            }
+        }
+        for (k, v, _) in &all {
+            alone.given[*k] = *v;
+        }
+        let sh = &alone.shape;
+        let own = sh.own()..sh.coef();
+        let used = |k: usize| sh.last || !own.contains(&k);
+        let numbers: Vec<(usize, usize)> =
+            all.iter().filter(|(k, _, at)| used(*k) && needed(*at)).map(|(k, _, at)| (*k, number(*at))).collect();
+        let wanted = [false, true].map(|motions| {
+            sh.carried(motions).into_iter().chain(numbers.iter().map(|n| n.0)).collect()
+        });
+        let line = sh.ports.len() == 1 && sh.slots == 2;
+        let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last);
+        let idle = law.map(|law| (law.idle)(&alone.given[sh.coef()..][..sh.coefs]));
+        Some(Single {
+            mem: op.mem + i * sh.mem,
+            lengths: reaches,
+            tap: op.form.tap.then_some(op.tap + i),
+            slots: link.slots.clone(),
+            alone,
+            idle,
+            numbers,
+            wanted,
+        })
+    }
+
+    /// Slots of its ends.
+    pub fn slots(&self) -> &[usize] {
+        &self.slots
+    }
+
+    /// Goes back over the link in one tick; `sums` are the forces on its ends before it, and how much it adds, where it goes by them.
+    pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, way: &mut Way) {
+        let tap = self.tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t]));
+        let mems = self.mem..self.mem + self.alone.shape.mem;
+        if let Some((_, 0.0)) = sums.and_then(|s| s.split_last()).map(|(added, f)| (f, *added)) {
+            // no force: what is owed to the sums stays, and the memory is written anew
+            way.mem[mems].fill(0.0);
+            return;
+        }
+        if let (Some((from, to)), [p, q]) = (self.idle, &self.slots[..]) {
+            let e = row.x[*q] - row.x[*p] + self.alone.given[self.alone.shape.e0()];
+            if e >= from && e <= to {
+                return;
+            }
+        }
+        let sh = &self.alone.shape;
+        let (at_d, at_f, at_mem, at_length) = (sh.d(), sh.f(), sh.memory(), sh.length());
+        let given = &mut self.alone.given;
+        // a point of a quadripole in space has six numbers, and there are two
+        let mut force = [0.0; 12];
+        for (k, slot) in self.slots.iter().enumerate() {
+            (given[k], given[at_d + k]) = (row.x[*slot], row.d[*slot]);
+            force[k] = way.a.x[*slot];
+        }
+        if let Some(sums) = sums {
+            given[at_f..][..sums.len() - 1].copy_from_slice(&sums[..sums.len() - 1]);
+        }
+        given[at_mem..][..mems.len()].copy_from_slice(&row.mem[mems.clone()]);
+        let (mut motions, mut lengths) = (false, [0.0; 2]);
+        for (k, (p, at)) in sh.ports.iter().zip(&self.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
+            debug_assert!(p.follows);
+            given[at_length + k] = row.lengths[*at];
+            lengths[k] = way.lengths[*at];
+            motions |= row.lengths[*at] < 0.0;
+        }
+        let owed = Owed { force: &force[..self.slots.len()], tap, memory: &way.mem[mems.clone()], lengths };
+        self.alone.owe(&owed, &self.wanted[usize::from(motions)]);
+        let (owed, sh) = (&self.alone.owed, &self.alone.shape);
+        if sh.last {
+            for (k, slot) in self.slots.iter().enumerate() {
+                way.a.f[*slot] += owed[k];
+                way.now[*slot] += owed[at_d + k];
+                way.a.x[*slot] = owed[at_f + k];
+            }
+        } else {
+            for p in &sh.ports {
+                pull(p, &self.slots, owed, motions || !p.follows, at_d, way);
+            }
+        }
+        way.mem[mems].copy_from_slice(&owed[at_mem..][..sh.mem]);
+        for (k, (p, at)) in sh.ports.iter().zip(&self.lengths).enumerate() {
+            if p.follows {
+                way.lengths[*at] = if self.alone.given[at_length + k] < 0.0 { 0.0 } else { owed[at_length + k] };
+            }
+        }
+        for (k, at) in &self.numbers {
+            way.owed[*at] += owed[*k];
+        }
+    }
+}
+
+/// What is owed to the second end of a port, and the opposite to the first.
+fn pull(p: &Port, slots: &[usize], owed: &[f64], motions: bool, at_d: usize, way: &mut Way) {
+    for (first, second) in p.slots().zip(p.second()) {
+        let (a, b) = (slots[first], slots[second]);
+        way.a.f[b] += owed[second];
+        way.a.f[a] -= owed[second];
+        if motions {
+            way.now[b] += owed[at_d + second];
+            way.now[a] -= owed[at_d + second];
+        }
+    }
+}
+
+/// Links between all pairs of two sets that touch, one after the other.
+pub struct Pairs {
+    alone: Alone,
+    /// index into [`Layout::pair_sets`](ca_core::op::layout::Layout::pair_sets)
+    set: usize,
+    near: ca_core::numeric::VerletList,
+    idle: (f64, f64),
+    numbers: Vec<(usize, usize)>,
+    /// numbers of the rest positions, where some parameter changes them (any)
+    rest: Vec<usize>,
+    wanted: Vec<usize>,
+}
+
+impl Pairs {
+    /// Those of a pass of a scene.
+    pub fn new(
+        scene: &Scene,
+        op: &Op,
+        dual: &ca_core_dual::Scene,
+        place: &Scene,
+        needed: &impl Fn(f64) -> bool,
+    ) -> Option<Pairs> {
+        let set = op.ports.pair_set?;
+        // the distance of a pair is measured anew in each tick
+        let one = Op { form: ca_core::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
+        let mut alone = Alone::new(&one, dual)?;
+        let sh = &alone.shape;
+        let coefs = sh.coef()..sh.coef() + sh.coefs;
+        alone.given[coefs.clone()].copy_from_slice(&scene.initial.coef[op.coef..][..coefs.len()]);
+        let idle = (op.law?.idle)(&alone.given[coefs.clone()]);
+        let at = |k: usize| place.initial.coef[op.coef + k];
+        let numbers: Vec<(usize, usize)> =
+            (0..coefs.len()).filter(|k| needed(at(*k))).map(|k| (coefs.start + k, number(at(k)))).collect();
+        let pairs = &scene.layout.pair_sets[set];
+        let moves = pairs.members.iter().flat_map(|m| &place.layout.rest[*m as usize..][..3]).any(|v| needed(*v));
+        let rest = if moves { place.layout.rest.iter().map(|v| number(*v)).collect() } else { Vec::new() };
+        let reach = if moves { sh.reach()..sh.reach() + 3 } else { 0..0 };
+        let wanted = sh.carried(true).into_iter().chain(numbers.iter().map(|n| n.0)).chain(reach).collect();
+        let near = ca_core::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
+        Some(Pairs { alone, set, near, idle, numbers, rest, wanted })
+    }
+
+    /// Goes back over all pairs that touch.
+    pub fn back(&mut self, scene: &Scene, row: &Row, way: &mut Way) {
+        let (set, rest) = (&scene.layout.pair_sets[self.set], &scene.layout.rest);
+        let three = |v: &[f64], m: u32| [v[m as usize], v[m as usize + 1], v[m as usize + 2]];
+        let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
+        let (from, to) = (self.idle.0.max(0.0), self.idle.1.max(0.0));
+        let radius = if self.idle.1 < f64::INFINITY { f64::INFINITY } else { from };
+        self.near.place(|k| [three(rest, set.members[k]), three(row.x, set.members[k])]);
+        self.near.renew(radius, |k| square(three(row.d, set.members[k])));
+        let sh = &self.alone.shape;
+        let (at_d, at_reach) = (sh.d(), sh.reach());
+        let (alone, numbers, rests, wanted) = (&mut self.alone, &self.numbers, &self.rest, &self.wanted);
+        self.near.each(radius, |i, j| {
+            let ends = [set.members[i], set.members[j]];
+            let [p, q] = ends.map(|m| three(rest, m));
+            let reach = [q[0] - p[0], q[1] - p[1], q[2] - p[2]];
+            let [a, b] = ends.map(|m| three(row.x, m));
+            let l = square([0, 1, 2].map(|k| reach[k] + (b[k] - a[k])));
+            if l >= from * from && l <= to * to {
+                return;
+            }
+            let [a, b] = ends.map(|m| m as usize);
+            let slots = [a, a + 1, a + 2, b, b + 1, b + 2];
+            for (k, slot) in slots.into_iter().enumerate() {
+                (alone.given[k], alone.given[at_d + k]) = (row.x[slot], row.d[slot]);
+            }
+            alone.given[at_reach..][..3].copy_from_slice(&reach);
+            let force = slots.map(|slot| way.a.x[slot]);
+            alone.owe(&Owed { force: &force, tap: 0.0, memory: &[], lengths: [0.0; 2] }, wanted);
+            pull(&alone.shape.ports[0], &slots, &alone.owed, true, at_d, way);
+            for (k, at) in numbers {
+                way.owed[*at] += alone.owed[*k];
+            }
+            if !rests.is_empty() {
+                for k in 0..3 {
+                    way.owed[rests[b + k]] += alone.owed[at_reach + k];
+                    way.owed[rests[a + k]] -= alone.owed[at_reach + k];
+                }
+            }
+        });
+    }
+
+    /// Slots of all members.
+    pub fn slots<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = usize> + 'a {
+        scene.layout.pair_sets[self.set].members.iter().flat_map(|m| *m as usize..*m as usize + 3)
+    }
+}
+
+/// The slots of link `i` of a pass, port by port, first ends first.
+pub fn slots(scene: &Scene, op: &Op, i: usize) -> Vec<usize> {
+    let Some(shape) = Shape::of(op) else { return Vec::new() };
+    let l = &scene.layout;
+    let ends = [Some(l.ends[op.first + i]), op.ports.onto.map(|o| l.onto[o.1 + i])];
+    let port = |(p, ends): (&Port, [u32; 2])| {
+        let axes = p.axes;
+        ends.into_iter().flat_map(move |m| m as usize..m as usize + axes)
+    };
+    shape.ports.iter().zip(ends.into_iter().flatten()).flat_map(port).collect()
+}
