@@ -77,7 +77,11 @@ fn main() {
             off / most
         );
         match &reverse {
-            Ok(_) => println!("    in reverse {:.0} ns: {:.1} renders, whatever the number of parameters", ns(back), back / plain),
+            Ok(_) => println!(
+                "    in reverse {:.0} ns: {:.1} renders, whatever the number of parameters",
+                ns(back),
+                back / plain
+            ),
             Err(e) => println!("    {e}"),
         }
     }

@@ -188,20 +188,7 @@ impl Forward {
     /// # Errors
     /// As [`Forward::tangents`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        let mut p = Performance::new(&self.plain, gesture)?;
-        let frames = perform::frames(&self.plain, perform::seconds(&p, seconds));
-        let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), self.plain.n_out, 1)?;
-        all.clear();
-        let mut left = frames;
-        while left > 0 {
-            let run = left.min(BLOCK);
-            p.ticks(run, &mut all);
-            left -= run;
-            if !goes_on() {
-                return Err(Error::Stopped);
-            }
-        }
-        if p.diverged { Err(diverged()) } else { Ok(all) }
+        output(&self.plain, seconds, gesture, goes_on)
     }
 
     /// The gradient of a loss of what is heard (parameters), from its cotangent: the derivatives of the loss by each number that is
@@ -321,6 +308,29 @@ fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> 
 
 pub(crate) fn diverged() -> Error {
     Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
+}
+
+/// What is heard of a scene (frames x outputs).
+pub(crate) fn output(
+    scene: &ca_core::Scene,
+    seconds: Option<f64>,
+    gesture: Option<&Gesture>,
+    goes_on: GoesOn,
+) -> Result<Vec<f64>, Error> {
+    let mut p = Performance::new(scene, gesture)?;
+    let frames = perform::frames(scene, perform::seconds(&p, seconds));
+    let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.n_out, 1)?;
+    all.clear();
+    let mut left = frames;
+    while left > 0 {
+        let run = left.min(BLOCK);
+        p.ticks(run, &mut all);
+        left -= run;
+        if !goes_on() {
+            return Err(Error::Stopped);
+        }
+    }
+    if p.diverged { Err(diverged()) } else { Ok(all) }
 }
 
 /// How many samples a cotangent has.

@@ -35,6 +35,24 @@ fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + 
     done.map_err(|e| failure(py, e))
 }
 
+/// A scene that is gone back over.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Reverse(Arc<ca_gradient::Reverse>);
+
+/// A cotangent as the engine takes it (frames x channels).
+fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> PyResult<Vec<f64>> {
+    if cotangent.shape()[1] != channels {
+        let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
+        return Err(error::usage(py, &what));
+    }
+    let mut all: Vec<f64> = Vec::new();
+    if all.try_reserve_exact(cotangent.len()).is_err() {
+        return Err(error::usage(py, "the cotangent does not fit into memory; play less"));
+    }
+    all.extend(cotangent.as_array().iter());
+    Ok(all)
+}
+
 impl Forward {
     /// Of a model, by parameters of these names.
     pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Forward> {
@@ -88,18 +106,62 @@ impl Forward {
         cotangent: PyReadonlyArray2<'py, f64>,
         gesture: Option<&Gesture>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let channels = self.0.outputs();
-        if cotangent.shape()[1] != channels {
-            let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
-            return Err(error::usage(py, &what));
-        }
-        let mut all: Vec<f64> = Vec::new();
-        if all.try_reserve_exact(cotangent.len()).is_err() {
-            return Err(error::usage(py, "the cotangent does not fit into memory; play less"));
-        }
-        all.extend(cotangent.as_array().iter());
+        let all = rows(py, &cotangent, self.0.outputs())?;
         let gesture = gesture.map(|g| &g.gesture);
         let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
         Ok(found.into_pyarray(py))
+    }
+}
+
+impl Reverse {
+    /// Of a model, by parameters of these names.
+    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Reverse> {
+        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+        let made = py.detach(|| ca_gradient::Reverse::new(loaded, options, &names));
+        made.map(|r| Reverse(Arc::new(r))).map_err(|e| failure(py, e))
+    }
+}
+
+#[pymethods]
+impl Reverse {
+    /// By what: name, value, unit.
+    #[getter]
+    fn parameters(&self) -> Vec<(&str, f64, &str)> {
+        self.0.parameters().iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
+    }
+
+    /// Names of the ports by which is differentiated too.
+    #[getter]
+    fn ports(&self) -> Vec<&str> {
+        self.0.ports().collect()
+    }
+
+    /// The sound, in double precision (frames, channels).
+    fn audio<'py>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let gesture = gesture.map(|g| &g.gesture);
+        let all = waiting(py, |goes_on| self.0.output(seconds, gesture, goes_on))?;
+        let channels = self.0.outputs();
+        let frames = all.len() / channels.max(1);
+        table(py, all, frames, channels)
+    }
+
+    /// The gradient of a loss from its cotangent (frames, channels), and its derivatives by what ports are given (frames, ports).
+    #[allow(clippy::type_complexity, reason = "two arrays")]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        cotangent: PyReadonlyArray2<'py, f64>,
+        gesture: Option<&Gesture>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let all = rows(py, &cotangent, self.0.outputs())?;
+        let gesture = gesture.map(|g| &g.gesture);
+        let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
+        let (frames, ports) = (cotangent.shape()[0], self.0.ports().count());
+        Ok((found.parameters.into_pyarray(py), table(py, found.inputs, frames, ports)?))
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{self, failure, findings, usage};
 use crate::gesture::Gesture;
-use crate::gradient::Forward;
+use crate::gradient::{Forward, Reverse};
 use crate::measure::{energy, table};
 use crate::sim::Sim;
 use crate::wait::Wait;
@@ -203,6 +203,11 @@ impl Scene {
     /// With derivatives by parameters of these names.
     fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
         Forward::new(py, &self.loaded, &self.options, &wrt)
+    }
+
+    /// To be gone back over, with derivatives by parameters of these names.
+    fn reverse(&self, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
+        Reverse::new(py, &self.loaded, &self.options, &wrt)
     }
 
     /// The page of a film of it: see `cordis_anima.Scene.view`.

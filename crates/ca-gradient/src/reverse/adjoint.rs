@@ -100,10 +100,8 @@ impl<'a> Adjoint<'a> {
             let name = scene.forces[op].name;
             format!("no reverse mode of this scene: it has the pass `{name}`; ask for forward mode")
         };
-        let single =
-            |link: &Link| Single::new(scene, link, dual, place, &is_needed).ok_or_else(|| no(link.op));
-        let pairs =
-            |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
+        let single = |link: &Link| Single::new(scene, link, dual, place, &is_needed).ok_or_else(|| no(link.op));
+        let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
         let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
         let outputs = Outputs::of(scene);
         let mut adjoint = Adjoint {

@@ -22,6 +22,7 @@ use crate::forward::{BLOCK, diverged};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::op::layout::CoordinateSource;
+use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
@@ -42,6 +43,20 @@ pub struct Reverse {
     derivatives: Vec<Vec<f64>>,
     /// which numbers some parameter changes
     needed: Vec<bool>,
+    /// ports by which there are derivatives: indices into [`State::input`]
+    ports: Vec<usize>,
+}
+
+/// Ports by which there are derivatives.
+fn ports(scene: &Scene) -> Vec<usize> {
+    let l = &scene.layout;
+    let says_where = |input: usize| {
+        let mut moved = l.enx.iter().filter(|p| p.input as usize == input);
+        let at = |m: u32| l.moving_points.iter().any(|p| p.at.contains(&CoordinateSource::Mat(m)));
+        moved.any(|p| at(p.mat))
+    };
+    let device = |i: usize| scene.inputs[i].role == InputRole::Device;
+    (0..scene.inputs.len()).filter(|i| !device(*i) && !says_where(*i)).collect()
 }
 
 /// The number that a place of an array of [`Reverse::place`] has.
@@ -54,7 +69,7 @@ fn number(v: f64) -> usize {
 pub struct Gradient {
     /// derivatives of the loss by each parameter, per its unit
     pub parameters: Vec<f64>,
-    /// derivatives by what each port is given in each sample, per m or N (frames x inputs); 0 of the ports of devices
+    /// derivatives by what each of [`Reverse::ports`] is given in each sample, per m or N (frames x ports)
     pub inputs: Vec<f64>,
 }
 
@@ -93,10 +108,11 @@ impl Reverse {
             dual: forward.dual().map_err(Error::Refused)?,
             parameters: forward.parameters().to_vec(),
             derivatives: all,
-            scene,
+            ports: ports(&scene),
             parts,
             place,
             needed,
+            scene,
         };
         reverse.check().map_err(Error::Refused)?;
         Ok(reverse)
@@ -113,7 +129,9 @@ impl Reverse {
         wanted.extend(place.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
         wanted.extend(place.blockers.iter().flat_map(|b| [b.r, b.g]).map(|v| (v, "the high pass of an output")));
         for p in &place.moving_points {
-            let at = p.at.iter().filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
+            let at =
+                p.at.iter()
+                    .filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
             wanted.extend(at.map(|v| (v, "where a point is on a string or a skin")));
         }
         for (_, what) in wanted.into_iter().filter(|(v, _)| self.needed[*v as usize]) {
@@ -135,6 +153,20 @@ impl Reverse {
     /// By what is differentiated.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
+    }
+
+    /// Names of the ports by which is differentiated too: those of position and of force that say of no point where on a string or a
+    /// skin it is. Not those of devices, which are given once a frame.
+    pub fn ports(&self) -> impl Iterator<Item = &str> {
+        self.ports.iter().map(|i| self.scene.inputs[*i].name.as_str())
+    }
+
+    /// What is heard alone, as [`Forward::output`].
+    ///
+    /// # Errors
+    /// As [`Forward::output`].
+    pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
+        crate::forward::output(&self.scene, seconds, gesture, goes_on)
     }
 
     /// The gradient of a loss of what is heard, from its cotangent (frames x outputs), as [`Forward::gradient`]; by what ports are
@@ -180,7 +212,8 @@ impl Reverse {
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
         let owed = Outputs::of(scene).before_low_pass(cotangent);
-        let mut by_inputs = vec![0.0; frames * inputs];
+        let ports = self.ports.len();
+        let mut by_inputs = vec![0.0; frames * ports];
         let mut record = Record::new(scene, &self.parts, stretch);
         let mut asked = 0;
         for (k, mut s) in kept.into_iter().enumerate().rev() {
@@ -192,7 +225,9 @@ impl Reverse {
                 let next = record.row(i + 1).d;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
                 back.back(tick, record.row(i), next, owed);
-                by_inputs[tick * inputs..][..inputs].copy_from_slice(&back.inputs);
+                for (to, i) in by_inputs[tick * ports..].iter_mut().zip(&self.ports) {
+                    *to = back.inputs[*i];
+                }
             }
             asked += ticks as u64;
             if asked >= BLOCK {

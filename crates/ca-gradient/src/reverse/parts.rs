@@ -85,10 +85,11 @@ impl Parts {
         if scene.slow.is_some() {
             return Err(no("it has groups at the gesture rate"));
         }
-        let known = |list: &[Op], names: &[&str]| list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)));
+        let known = |list: &[Op], names: &[&str]| {
+            list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)))
+        };
         known(&scene.reads, &["ENX", "TGR in", "changes", "aim", "points"])?;
-        let writes =
-            ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
+        let writes = ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
         known(&scene.writes, &writes)?;
         let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
         let mut parts = Parts {
@@ -97,7 +98,11 @@ impl Parts {
             links: Vec::new(),
             last: Vec::new(),
             moves: Vec::new(),
-            held: ports.map(|p| p.mat).chain(scene.layout.moving_points.iter().map(|p| p.mat)).map(|m| m as usize).collect(),
+            held: ports
+                .map(|p| p.mat)
+                .chain(scene.layout.moving_points.iter().map(|p| p.mat))
+                .map(|m| m as usize)
+                .collect(),
             sets: Vec::new(),
             hears: scene.layout.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
             summed: Vec::new(),
@@ -105,7 +110,11 @@ impl Parts {
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
-                if matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") { continue } else { return Err(pass(op)) }
+                if matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") {
+                    continue;
+                } else {
+                    return Err(pass(op));
+                }
             };
             if law.implicit || op.form.set && op.form.tap {
                 return Err(pass(op));
@@ -142,7 +151,11 @@ impl Parts {
             }
             parts.moves.push(k);
         }
-        let sums = scene.layout.outputs.iter().filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m as usize) } else { None });
+        let sums = scene
+            .layout
+            .outputs
+            .iter()
+            .filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m as usize) } else { None });
         parts.summed = sums.chain(parts.last.iter().flat_map(|l| l.slots.iter().copied())).collect();
         parts.summed.sort_unstable();
         parts.summed.dedup();

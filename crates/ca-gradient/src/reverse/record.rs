@@ -97,7 +97,8 @@ impl Record {
             run(behind, s);
             at = 0;
             for l in &parts.last {
-                let added = l.slots.iter().zip(&sums[at..]).fold(0.0, |most: f64, (m, f)| most.max((s.f[*m] - f).abs()));
+                let added =
+                    l.slots.iter().zip(&sums[at..]).fold(0.0, |most: f64, (m, f)| most.max((s.f[*m] - f).abs()));
                 at += l.slots.len();
                 sums[at] = added;
                 at += 1;

@@ -79,9 +79,8 @@ impl Single {
         let used = |k: usize| sh.last || !own.contains(&k);
         let numbers: Vec<(usize, usize)> =
             all.iter().filter(|(k, _, at)| used(*k) && needed(*at)).map(|(k, _, at)| (*k, number(*at))).collect();
-        let wanted = [false, true].map(|motions| {
-            sh.carried(motions).into_iter().chain(numbers.iter().map(|n| n.0)).collect()
-        });
+        let wanted =
+            [false, true].map(|motions| sh.carried(motions).into_iter().chain(numbers.iter().map(|n| n.0)).collect());
         let line = sh.ports.len() == 1 && sh.slots == 2;
         let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last);
         let idle = law.map(|law| (law.idle)(&alone.given[sh.coef()..][..sh.coefs]));

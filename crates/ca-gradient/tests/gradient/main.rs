@@ -4,3 +4,4 @@ mod closed;
 mod drawn;
 mod reference;
 mod refused;
+mod reverse;

@@ -1,0 +1,151 @@
+//! Reverse mode against forward mode, and by what ports are given against differences.
+
+use crate::drawn::{Draw, drawn};
+use crate::reference::{column, read, tangents};
+use ca_gradient::{Forward, Reverse, Tangents};
+use cordis_anima::ca_io::gesture::{Gesture, Track};
+use cordis_anima::{Loaded, Options};
+
+/// Compares the gradient of half the sum of squares of what is heard, in both modes; true where reverse mode knows the scene.
+pub fn both_ways(title: &str, loaded: &Loaded, t: &Tangents, wrong: &mut Vec<String>) -> bool {
+    both_ways_within(title, loaded, t, 1e-10, wrong)
+}
+
+fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong: &mut Vec<String>) -> bool {
+    let names: Vec<&str> = t.parameters.iter().map(|p| p.name.as_str()).collect();
+    let reverse = match Reverse::new(loaded, &Options::default(), &names) {
+        Ok(reverse) => reverse,
+        Err(e) => {
+            println!("{title}: {e}");
+            return false;
+        }
+    };
+    let loss = 0.5 * t.output.iter().map(|y| y * y).sum::<f64>();
+    let found = reverse.gradient(&t.output, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    let mut worst = 0.0_f64;
+    for (k, (p, by)) in t.parameters.iter().zip(&found.parameters).enumerate() {
+        let each = || column(t, k).into_iter().zip(&t.output).map(|(t, y)| t * y);
+        let (sum, size) = (each().sum::<f64>(), each().map(f64::abs).sum::<f64>());
+        // of itself, or of the loss where the parameter changes by all of itself
+        let off = (sum - by).abs() / (size + loss / p.value.abs().max(1e-3)).max(f64::MIN_POSITIVE);
+        worst = worst.max(off);
+        let close = off < most;
+        wrong.extend((!close).then(|| format!("{title}: by {} {sum:e} forward, {by:e} in reverse, {off:.1e}", p.name)));
+    }
+    println!("{title}: reverse {worst:.1e} from forward");
+    true
+}
+
+/// What stands between masses and outputs, and ways a scene is laid out.
+const SCENES: &[(&str, &str)] = &[
+    (
+        "a long string in lanes, forces of its links and on its end heard",
+        "[STRING]\nlow = { n = 90, f = '110 Hz', t60 = '1 s', m = '2 g' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nhit = { between = ['ball', 'low[9]'], k = '9 kN/m', z = '0.3 N s/m' }\n[SOX]\nout = { from = 'low[3]' }\nspeed = { from = 'low[8]', hear = 'speed', gain = 0.5 }\n[SOF]\nedge = { from = 'hit', gain = 0.5 }\nsum = { from = 'ball', gain = 0.3 }\nlink = { from = 'low.link[40]', gain = 0.7 }\n",
+    ),
+    (
+        "a skin in lanes, touched between its nodes",
+        "[MESH]\nskin = { nx = 9, ny = 10, f = '200 Hz', t60 = '0.5 s', m = '9 g' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nhit = { between = ['ball', 'skin@0.37,0.61'], k = '1e6 N/m^1.5', h = '0.2 s/m' }\n[REF]\nrag = { between = ['skin[7]', 'skin@0.37,0.61'], k = '500 N/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'skin@0.37,0.61', dc = '30 Hz' }\n",
+    ),
+    (
+        "a low-pass, and weight",
+        "[model]\ngravity = '9.81 m/s^2'\n[rate]\nfilter = '9 kHz'\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nhit = { between = ['ball', 'bar'], k = '20 kN/m', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\nhigh = { from = 'bar', dc = '20 Hz', hear = 'speed', gain = 0.3 }\n",
+    ),
+    (
+        "a port of position and one of force",
+        "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[ENX]\nkey = {}\n[ENF]\npush = { to = 'bar' }\n[CUB]\nfelt = { between = ['key', 'bar'], k = '2 kN/m', k3 = '1e9 N/m^3', z = '0.4 N s/m' }\n[gesture]\nkey = [[0, '-1 mm'], ['5 ms', '1 mm'], ['9 ms', '0 mm']]\npush = [[0, 0], ['3 ms', '2 N'], ['8 ms', '-1 N']]\n[SOX]\nout = { from = 'bar' }\n[SOF]\nhand = { from = 'key' }\n",
+    ),
+];
+
+#[test]
+fn reverse_is_forward_however_a_scene_is_laid_out() {
+    let (mut draw, mut wrong) = (Draw(11), Vec::new());
+    for (title, text) in SCENES {
+        let mut loaded = read(text);
+        let names = drawn(&mut loaded, &mut draw);
+        // by the corner of a high pass goes forward mode alone
+        let names: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.ends_with(".dc")).collect();
+        let t = tangents(&loaded, 1500, &names);
+        assert!(both_ways(title, &loaded, &t, &mut wrong), "{title}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// By what a port is given in one sample: differences of renders with that sample moved.
+#[test]
+fn what_ports_are_given_has_its_derivatives() {
+    let (_, text) = SCENES.last().expect("a scene with ports");
+    let loaded = read(text);
+    let reverse = Reverse::new(&loaded, &Options::default(), &[]).expect("a way back");
+    assert_eq!(reverse.ports().collect::<Vec<_>>(), ["key", "push"]);
+    let (ticks, rate) = (600, reverse.rate());
+    let at = |name: &str, track: &dyn Fn(f64) -> f64, moved: Option<(usize, f64)>| {
+        let value = |n: usize| track(n as f64 / rate) + moved.filter(|(k, _)| *k == n).map_or(0.0, |m| m.1);
+        Track::sampled(name, rate, (0..ticks).map(value).collect()).expect("a track")
+    };
+    let key = |t: f64| 1e-3 * (t * 700.0).sin() - 1e-3;
+    let push = |t: f64| (t * 900.0).cos();
+    let gesture = |by_key: Option<(usize, f64)>, by_push: Option<(usize, f64)>| {
+        Gesture::new(vec![at("key", &key, by_key), at("push", &push, by_push)]).expect("a gesture")
+    };
+    let play = |gesture: &Gesture| {
+        let all = reverse.output(Some(ticks as f64 / rate), Some(gesture), &mut || true);
+        all.expect("a render")
+    };
+    let own = gesture(None, None);
+    let heard = play(&own);
+    let found = reverse.gradient(&heard, Some(&own), &mut || true).expect("a gradient");
+    assert_eq!(found.inputs.len(), 2 * ticks);
+    let loss = |heard: &[f64]| 0.5 * heard.iter().map(|y| y * y).sum::<f64>();
+    for n in [0, 1, 2, 17, 150, 400, 598] {
+        for (port, h) in [(0, 1e-7), (1, 1e-4)] {
+            let moved = |h: f64| {
+                let one = Some((n, h));
+                loss(&play(&if port == 0 { gesture(one, None) } else { gesture(None, one) }))
+            };
+            let difference = (moved(h) - moved(-h)) / (2.0 * h);
+            let by = found.inputs[2 * n + port];
+            assert!(
+                (difference - by).abs() <= 1e-6 * by.abs() + 1e-9 * loss(&heard) / h * 1e-3,
+                "{n} {port}: {difference:e} {by:e}"
+            );
+        }
+    }
+}
+
+/// Bundled instruments that sound soon: contacts in space, quadripoles, sets, plectra, tables and friction.
+const SOON: &[&str] = &["crystal", "glass", "jack", "maracas", "piano_key", "piano_wire", "rattle", "snare", "wind"];
+
+/// Bundled instruments, by some of what they have for masses, speeds and springs. What a parameter makes of numbers is known to 1e-9,
+/// and both modes take it from scenes that are laid out otherwise.
+#[test]
+fn bundled_instruments_go_back_as_they_go_forward() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    let mut files: Vec<_> = std::fs::read_dir(folder).expect("models").map(|f| f.expect("a file").path()).collect();
+    files.retain(|f| f.extension().is_some_and(|e| e == "toml"));
+    files.sort();
+    let (mut draw, mut known, mut heard, mut wrong) = (Draw(5), 0, 0, Vec::new());
+    for file in files {
+        let mut loaded = Loaded::open(&file).expect("a model");
+        let title = loaded.name.clone();
+        let all = drawn(&mut loaded, &mut draw);
+        // a few of them, from all over the model
+        let some = all.iter().step_by(all.len().div_ceil(4).max(1)).map(String::as_str);
+        let names: Vec<&str> =
+            some.filter(|name| Forward::new(&loaded, &Options::default(), &[name]).is_ok()).collect();
+        match Reverse::new(&loaded, &Options::default(), &names) {
+            Ok(_) => known += 1,
+            Err(e) => println!("{title}: {e}"),
+        }
+        if !SOON.contains(&&title[..]) {
+            continue;
+        }
+        let forward = Forward::new(&loaded, &Options::default(), &names).unwrap_or_else(|e| panic!("{title}: {e}"));
+        let seconds = Some(4000.0 / forward.rate());
+        let t = forward.tangents(seconds, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+        heard += usize::from(t.tangents.iter().any(|v| *v != 0.0));
+        assert!(both_ways_within(&title, &loaded, &t, 1e-8, &mut wrong), "{title}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    // all but those where a port drives a parameter, or one of these is the corner of a high pass
+    assert!(known >= 20 && heard == SOON.len(), "{known} {heard}");
+}
