@@ -41,10 +41,10 @@ pub struct Start {
     alike: Vec<Range<usize>>,
 }
 
-/// What is there of a scene, in plain numbers or in dual ones, which `value` makes plain.
+/// What is there of a scene, in plain numbers or in dual ones, which `value` makes plain; its numbers are 0 afterwards.
 macro_rules! start {
     ($scene:expr, $value:expr) => {{
-        let mut scene = $scene;
+        let scene = $scene;
         let mut numbers = Vec::new();
         scene.numbers(&mut |v| numbers.push($value(v)));
         // as `Scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
@@ -61,12 +61,28 @@ macro_rules! start {
 }
 
 impl Start {
-    pub fn of_dual(scene: ca_core_dual::Scene) -> Start {
+    pub fn of_dual(scene: &mut ca_core_dual::Scene) -> Start {
         start!(scene, |v: &Dual| v.value())
     }
 
-    pub fn of_plain(scene: ca_core::Scene) -> Start {
+    pub fn of_plain(scene: &mut ca_core::Scene) -> Start {
         start!(scene, |v: &f64| *v)
+    }
+
+    /// True where all numbers lie on lines through what they are, but for rounding: of one step and of two, up and down.
+    fn are_lines(&self, steps: &[[Vec<f64>; 2]]) -> bool {
+        let [[up, down], [up2, down2]] = steps else { return false };
+        let line = |i: usize| {
+            let (v, most) = (self.numbers[i], up2[i].abs().max(down2[i].abs()).max(self.numbers[i].abs()));
+            let off = |a: f64, b: f64| ((a - v) - b).abs() <= 8.0 * ROUNDING * most;
+            off(up[i], v - down[i]) && off(up2[i], 2.0 * (up[i] - v)) && off(down2[i], 2.0 * (down[i] - v))
+        };
+        (0..self.numbers.len()).all(line)
+    }
+
+    /// How many numbers there are.
+    pub fn len(&self) -> usize {
+        self.numbers.len()
     }
 }
 
@@ -205,14 +221,26 @@ impl Found {
     }
 }
 
-/// By values on both sides.
+/// By values on both sides. Four of them are enough where all numbers lie on lines, as they do for most parameters.
 fn central(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64) -> Result<Found, Obstacle> {
     let mut found = Found::new(start, h);
     let [high, low] = CENTRAL;
+    let mut two: Vec<[Vec<f64>; 2]> = Vec::with_capacity(2);
     for ((steps, high), low) in (1..).zip(high).zip(low) {
         let weights = [high, low];
-        found.add(&at(steps)?, &start.numbers, weights);
-        found.add(&at(-steps)?, &start.numbers, weights.map(|w| -w));
+        let (up, down) = (at(steps)?, at(-steps)?);
+        found.add(&up, &start.numbers, weights);
+        found.add(&down, &start.numbers, weights.map(|w| -w));
+        if steps <= 2 {
+            two.push([up, down]);
+        }
+        if steps == 2 && start.are_lines(&two) {
+            let [up, down] = &two[1];
+            let slope = |(up, down): (&f64, &f64)| 0.25 * (up - down);
+            found.high = up.iter().zip(down).map(slope).collect();
+            found.low.clone_from(&found.high);
+            break;
+        }
     }
     Ok(found)
 }

@@ -6,6 +6,7 @@
 //! needs none of it.
 
 use crate::difference::{Start, derivatives};
+use crate::parameter::put_dual;
 use crate::{Error, Parameter};
 use ca_compile_dual::load::finish;
 use ca_core_dual::kind::cloud::{Cloud, Clouds, Unread};
@@ -15,7 +16,6 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::{self, DIVERGED, Performance};
 use ca_model::write::write;
 use ca_model_dual::diag::{Diags, Severity};
-use ca_model_dual::write::write as write_dual;
 use ca_model_dual::{Model, read};
 use cordis_anima::{Loaded, Options};
 use std::sync::Arc;
@@ -65,18 +65,21 @@ impl Forward {
     /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
     /// which there are derivatives, or the scene has groups at the gesture rate or parameters that ports drive.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
-        let mut forward = Forward::begun(loaded, options, wrt)?;
-        let start = Start::of_dual(forward.dual().map_err(Error::Refused)?);
+        let (mut forward, mut scene) = Forward::begun(loaded, options, wrt)?;
+        let start = Start::of_dual(&mut scene);
         for p in &forward.parameters {
-            let compiled = |value: f64| forward.compiled(&p.put(&forward.model, value)).map(Start::of_dual);
-            let all = derivatives(&start, p, &compiled)?;
+            let other = |value: f64| {
+                let mut other = forward.compiled(&put_dual(p, &forward.model, value))?;
+                Ok(Start::of_dual(&mut other))
+            };
+            let all = derivatives(&start, p, &other)?;
             forward.derivatives.push(all);
         }
         Ok(forward)
     }
 
-    /// The same without derivatives of the numbers that it begins with.
-    pub(crate) fn begun(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+    /// The same without derivatives of the numbers that it begins with, and the scene over dual numbers.
+    pub(crate) fn begun(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<(Forward, Scene), Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let plain = loaded.compile(&options)?.scene;
         let text = write(&loaded.model);
@@ -112,20 +115,12 @@ impl Forward {
             );
             return Err(Error::refused(what));
         }
-        Ok(forward)
+        Ok((forward, scene))
     }
 
-    /// The text of the model, with another value of a parameter.
-    pub(crate) fn text(&self, other: Option<(&Parameter, f64)>) -> String {
-        match other {
-            Some((p, value)) => write_dual(&p.put(&self.model, value)),
-            None => write_dual(&self.model),
-        }
-    }
-
-    /// The scene over dual numbers, as it begins.
-    pub(crate) fn dual(&self) -> Result<Scene, String> {
-        self.compiled(&self.model)
+    /// The scene in double precision, and by what is differentiated.
+    pub(crate) fn into_parts(self) -> (ca_core::Scene, Vec<Parameter>) {
+        (self.plain, self.parameters)
     }
 
     /// The sound rate \[Hz\].

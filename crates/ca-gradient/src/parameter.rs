@@ -48,29 +48,59 @@ impl Parameter {
             number(model, value, unit).ok_or_else(|| Error::refused(format!("`{name}` is not a number")))?;
         Ok(Parameter { name: name.into(), value, unit })
     }
-
-    /// The model with this parameter at `value`.
-    pub(crate) fn put(&self, model: &Model, value: f64) -> Model {
-        let mut other = model.clone();
-        let written = |v: f64| if self.unit.is_empty() { Value::Num(v) } else { format!("{v:e} {}", self.unit).into() };
-        let (whole, index) = split(&self.name);
-        let list = index.and_then(|i| match entry(model, whole).map(|e| &e.value) {
-            Some(Value::List(list)) => Some((i, list.clone())),
-            _ => None,
-        });
-        other.put(
-            whole,
-            match list {
-                Some((i, mut list)) => {
-                    list[i] = Entry::new("", written(value));
-                    Value::List(list)
-                }
-                None => written(value),
-            },
-        );
-        other
-    }
 }
+
+/// What is the same of a model for plain numbers and of one for dual ones, whose types differ.
+macro_rules! models {
+    ($module:ident, $crate_of_model:ident) => {
+        /// Of one kind of model.
+        mod $module {
+            use super::{Parameter, split};
+            use $crate_of_model::{Entry, Model, Value};
+
+            /// What is written at a name.
+            pub fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
+                if let Some(e) = model.params.iter().find(|e| e.key == name) {
+                    return Some(e);
+                }
+                let (owner, key) = name.rsplit_once('.')?;
+                let args = match owner {
+                    "model" => &model.meta,
+                    "rate" => &model.rate,
+                    _ => &model.items.iter().find(|i| i.name == owner)?.args,
+                };
+                args.iter().find(|e| e.key == key)
+            }
+
+            /// The model with a parameter at `value`.
+            pub fn put(p: &Parameter, model: &Model, value: f64) -> Model {
+                let mut other = model.clone();
+                let unit = &p.unit;
+                let written = if unit.is_empty() { Value::Num(value) } else { format!("{value:e} {unit}").into() };
+                let (whole, index) = split(&p.name);
+                let list = index.and_then(|i| match entry(model, whole).map(|e| &e.value) {
+                    Some(Value::List(list)) => Some((i, list.clone())),
+                    _ => None,
+                });
+                let to = match list {
+                    Some((i, mut list)) => {
+                        list[i] = Entry::new("", written);
+                        Value::List(list)
+                    }
+                    None => written,
+                };
+                other.put(whole, to);
+                other
+            }
+        }
+    };
+}
+
+models!(plain, ca_model);
+models!(dual, ca_model_dual);
+use dual::entry;
+pub(crate) use dual::put as put_dual;
+pub(crate) use plain::put;
 
 /// `ball.v[1]` → `ball.v` and 1.
 fn split(name: &str) -> (&str, Option<usize>) {
@@ -84,20 +114,6 @@ fn split(name: &str) -> (&str, Option<usize>) {
 /// A name with a key: the index of an instance, as in `key[2]`, is none of a list.
 fn entry_like(whole: &str) -> bool {
     whole.rsplit_once('.').is_some_and(|(_, key)| !key.contains(']'))
-}
-
-/// What is written at a name.
-fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
-    if let Some(e) = model.params.iter().find(|e| e.key == name) {
-        return Some(e);
-    }
-    let (owner, key) = name.rsplit_once('.')?;
-    let args = match owner {
-        "model" => &model.meta,
-        "rate" => &model.rate,
-        _ => &model.items.iter().find(|i| i.name == owner)?.args,
-    };
-    args.iter().find(|e| e.key == key)
 }
 
 /// The kind of a module, and its parameter of a name.

@@ -22,7 +22,7 @@ impl Scene {
     }
 
     /// What all of a scene but its numbers is known by; these are 0 afterwards.
-    pub fn structure(mut self) -> Identity {
+    pub fn structure(&mut self) -> Identity {
         self.numbers(&mut |v| *v = real(0.0));
         Identity::of(&self.layout, [&self.reads, &self.forces, &self.writes, &self.moves], &self.initial)
     }

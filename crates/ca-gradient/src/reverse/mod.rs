@@ -19,14 +19,17 @@ mod sums;
 
 use crate::difference::{Start, derivatives};
 use crate::forward::{BLOCK, diverged};
+use crate::parameter::put;
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
+use ca_compile::load::finish;
 use ca_core::op::layout::CoordinateSource;
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use cordis_anima::{Loaded, Options};
+use ca_model::diag::Diags;
+use cordis_anima::{Loaded, Options, catalog};
 use heard::Outputs;
 use parts::Parts;
 use record::Record;
@@ -81,39 +84,28 @@ impl Reverse {
     /// not know.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Reverse, Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
-        let forward = Forward::begun(loaded, &options, wrt)?;
-        // as the dual scene is read, so that both stand for the same text
-        let written = |text: &str| Loaded { clouds: loaded.clouds.clone(), ..Loaded::read(text, &loaded.model.file) };
-        let compiled = |text: &str| -> Result<Scene, Error> { Ok(written(text).compile(&options)?.scene) };
-        let scene = compiled(&forward.text(None))?;
+        let (forward, dual) = Forward::begun(loaded, &options, wrt)?;
+        let (scene, parameters) = forward.into_parts();
         let parts = Parts::of(&scene).map_err(Error::Refused)?;
-        let start = Start::of_plain(compiled(&forward.text(None))?);
+        let mut place = loaded.compile(&options)?.scene;
+        let start = Start::of_plain(&mut place);
+        let kinds = catalog();
+        let bounds = Options { bounds_only: true, clouds: loaded.clouds.clone(), ..options };
         let mut all = Vec::new();
-        for p in forward.parameters() {
-            let bounds = Options { bounds_only: true, ..options.clone() };
+        for p in &parameters {
             let other = |value: f64| {
-                let found = written(&forward.text(Some((p, value)))).compile(&bounds);
-                found.map(|c| Start::of_plain(c.scene)).map_err(|e| crate::forward::first_of(&e.diags))
+                let found = finish(&put(p, &loaded.model, value), Diags::new(), &kinds, &bounds);
+                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| crate::forward::first_of(&diags))
             };
             all.push(derivatives(&start, p, &other)?);
         }
-        let mut place = compiled(&forward.text(None))?;
         let mut count = 0.0;
         place.numbers(&mut |v| {
             *v = count;
             count += 1.0;
         });
-        let needed: Vec<bool> = (0..count as usize).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
-        let reverse = Reverse {
-            dual: forward.dual().map_err(Error::Refused)?,
-            parameters: forward.parameters().to_vec(),
-            derivatives: all,
-            ports: ports(&scene),
-            parts,
-            place,
-            needed,
-            scene,
-        };
+        let needed: Vec<bool> = (0..start.len()).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
+        let reverse = Reverse { dual, parameters, derivatives: all, ports: ports(&scene), parts, place, needed, scene };
         reverse.check().map_err(Error::Refused)?;
         Ok(reverse)
     }

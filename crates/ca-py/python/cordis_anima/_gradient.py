@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +16,8 @@ from ._results import Floats, length, reals
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
+#: which way derivatives go through the ticks; `auto` is reverse, and forward for scenes that reverse mode does not know
+Mode = Literal["auto", "reverse", "forward"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,9 @@ class Gradient:
         wrt: names of the parameters.
         values: their values (parameters).
         units: their units, of SI; empty for plain numbers.
+        inputs: derivatives by what each port is given in each sample (frames), per m or N, by its name: ports of position and of
+            force, but none that says where a point is; in forward mode there are none.
+        mode: which way it was found, ``"reverse"`` or ``"forward"``.
     """
 
     loss: float | None
@@ -65,6 +70,8 @@ class Gradient:
     wrt: tuple[str, ...]
     values: Floats
     units: tuple[str, ...]
+    inputs: Mapping[str, Floats]
+    mode: str
 
     def __getitem__(self, name: str) -> float:
         """The derivative by one parameter."""
@@ -99,7 +106,7 @@ def named(wrt: object) -> list[str]:
     return names
 
 
-def _about(forward: _core.Forward) -> tuple[tuple[str, ...], Floats, tuple[str, ...]]:
+def _about(forward: _core.Forward | _core.Reverse) -> tuple[tuple[str, ...], Floats, tuple[str, ...]]:
     all = forward.parameters
     return tuple(p[0] for p in all), np.array([p[1] for p in all], float), tuple(p[2] for p in all)
 
@@ -137,37 +144,50 @@ class Derivatives:
 
     def gradient(
         self,
-        wrt: Sequence[str],
+        wrt: Sequence[str] = (),
         *,
         loss: Loss | None = None,
         cotangent: npt.ArrayLike | None = None,
         seconds: float | str | None = None,
         gesture: Gesture = None,
+        mode: Mode = "auto",
     ) -> Gradient:
-        """The gradient of a loss of its sound, without memory for the derivatives of samples.
+        """The gradient of a loss of its sound, by parameters and by what ports are given, without memory for the derivatives of samples.
+
+        In reverse mode it takes about as long as eight renders, however many parameters there are; in forward mode as long as
+        some tens for each seven of them. Both find the same, to rounding.
 
         Args:
-            wrt: as for `tangents`.
+            wrt: as for `tangents`; none where only `inputs` are wanted.
             loss: called with the sound (frames, channels) in double precision; gives the loss, and its derivatives by each sample.
             cotangent: these derivatives (frames, channels), where there is no loss to call; it says how long is played.
             seconds: as for `render`, with a loss.
             gesture: as for `tangents`.
+            mode: ``"reverse"``, ``"forward"``, or ``"auto"``: reverse, and forward for scenes that it does not know (groups by
+                modes, implicit links, waveguides, contacts that are solved together, samples of several ticks).
 
         Raises:
-            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape.
+            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape; ``mode="reverse"`` for a scene that has
+                none, with what is in its way.
 
         >>> import cordis_anima as ca
         >>> g = ca.examples.string().gradient(["hammer.v"], loss=lambda y: ((y**2).sum(), 2 * y), seconds=0.1)
         >>> g.loss > 0, g["hammer.v"] > 0
         (True, True)
+        >>> bar = ca.parse("[CEL]\\nbar = { m = '1 g', f = '220 Hz', t60 = '1 s' }\\n[ENF]\\npush = { to = 'bar' }\\n[SOX]\\nout = { from = 'bar' }\\n")
+        >>> g = bar.gradient(cotangent=np.ones(480), gesture={"push": [[0, 0], [0.01, "1 N"]]})
+        >>> g.inputs["push"].shape, g.mode
+        ((480,), 'reverse')
         """
+        if mode not in ("auto", "reverse", "forward"):
+            raise UsageError(f"mode = {mode!r}: `auto`, `reverse` or `forward`")
         if cotangent is not None and (loss is not None or seconds is not None):
             raise UsageError("a cotangent says how long is played, and of which loss it is")
         seconds = None if seconds is None else length(seconds)
-        forward, driven = self._forward(wrt), made(self._compiled, gesture)
+        way, driven = self._way(wrt, mode), made(self._compiled, gesture)
         value = None
         if loss is not None:
-            audio = forward.audio(seconds, driven)
+            audio = way.audio(seconds, driven)
             if not callable(loss):
                 raise UsageError("a loss is called with the sound, and gives its value and its derivatives by each sample")
             found = loss(audio)
@@ -179,9 +199,35 @@ class Derivatives:
             given = _cotangent(cotangent, None)
         else:
             raise UsageError("a gradient is that of a `loss`, or goes by a `cotangent`; `tangents` has all derivatives")
-        names, values, units = _about(forward)
-        slopes = forward.gradient(given, driven)
-        return Gradient(None if value is None else float(value), gradient=slopes, wrt=names, values=values, units=units)
+        names, values, units = _about(way)
+        inputs: dict[str, Floats] = {}
+        if isinstance(way, _core.Reverse):
+            slopes, all = way.gradient(given, driven)
+            inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
+        else:
+            slopes = way.gradient(given, driven)
+        return Gradient(
+            None if value is None else float(value),
+            gradient=slopes,
+            wrt=names,
+            values=values,
+            units=units,
+            inputs=inputs,
+            mode="reverse" if isinstance(way, _core.Reverse) else "forward",
+        )
+
+    def _way(self, wrt: Sequence[str], mode: Mode) -> _core.Forward | _core.Reverse:
+        names = [] if isinstance(wrt, (tuple, list)) and not wrt else named(wrt)
+        if mode != "forward":
+            try:
+                way = self._compiled.reverse(names)
+                if names or way.ports:
+                    return way
+            except UsageError:
+                if mode == "reverse":
+                    raise
+        # without names there is nothing that forward mode could find
+        return self._compiled.forward(named(names))
 
     def _forward(self, wrt: Sequence[str]) -> _core.Forward:
         return self._compiled.forward(named(wrt))
