@@ -1,5 +1,5 @@
-//! What derivatives cost: the time of a tick with seven of them over that of a render, in one run, beside how far they are from a
-//! central difference of renders.
+//! What derivatives cost: the time of a tick with seven of them over that of a render, in one run, forward and in reverse, beside how
+//! far they are from a central difference of renders.
 //!
 //! `cargo run --release -p ca-gradient --example cost`
 

@@ -65,7 +65,7 @@ pub struct Adjoint<'a> {
     place: &'a Scene,
     /// what is owed to the numbers
     pub owed: Vec<f64>,
-    /// what is owed to inputs at the tick at hand
+    /// what is owed to inputs at the tick at hand, to a device as if it were given in each
     pub inputs: Vec<f64>,
 }
 
@@ -278,11 +278,14 @@ impl<'a> Adjoint<'a> {
                 b.f[*m] += now[*m];
             }
         }
+        // at the first tick a port has no motion
+        let to_port = |mat: u32| a.f[mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[mat as usize]);
         for (p, other) in self.scene.layout.enx.iter().zip(&place.layout.enx) {
-            // at the first tick a port has no motion
-            let owed = a.f[p.mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[p.mat as usize]);
-            self.inputs[p.input as usize] += owed;
-            owed_to[number(other.rest)] -= owed;
+            self.inputs[p.input as usize] += to_port(p.mat);
+            owed_to[number(other.rest)] -= to_port(p.mat);
+        }
+        for p in &self.scene.layout.tgr {
+            self.inputs[p.input as usize] += to_port(p.mat);
         }
         for m in &self.parts.held {
             a.f[*m] = 0.0;

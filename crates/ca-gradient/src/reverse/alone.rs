@@ -64,11 +64,7 @@ impl Shape {
         Some(Shape { ports, slots: first, coefs: law.coefs, mem: law.mem, last })
     }
 
-    /// The places.
-    pub fn x(&self) -> usize {
-        0
-    }
-    /// The motions.
+    /// The motions; the places come first.
     pub fn d(&self) -> usize {
         self.slots
     }
@@ -110,10 +106,10 @@ impl Shape {
     pub fn carried(&self, motions: bool) -> Vec<usize> {
         let mut all = Vec::new();
         if self.last {
-            all.extend(self.x()..self.own());
+            all.extend(0..self.own());
         } else {
             for p in &self.ports {
-                all.extend(p.second().map(|k| self.x() + k));
+                all.extend(p.second());
                 all.extend(p.second().filter(|_| motions || !p.follows).map(|k| self.d() + k));
             }
         }
@@ -224,7 +220,7 @@ impl Alone {
     /// The same of some numbers of a dipole on a line, by its law without a kernel: a third of the time.
     fn force(&mut self, by: &Owed, some: &[usize]) {
         let (sh, given) = (&self.shape, &self.given);
-        let [x, d] = [sh.x(), sh.d()].map(|at| given[at + 1] - given[at]);
+        let [x, d] = [0, sh.d()].map(|at| given[at + 1] - given[at]);
         let (mut e, mut w) = (Dual::constant(x + given[sh.e0()]), Dual::constant(d));
         let coefs = &mut self.s.coef[3 * sh.slots..];
         for (to, v) in coefs.iter_mut().zip(&given[sh.coef()..]) {
@@ -235,7 +231,7 @@ impl Alone {
         }
         for (lane, at) in some.iter().enumerate() {
             let to = match *at {
-                at if at == sh.x() + 1 || at == sh.e0() => &mut e,
+                at if at == 1 || at == sh.e0() => &mut e,
                 at if at == sh.d() + 1 => &mut w,
                 at if at >= sh.memory() => &mut self.s.mem[at - sh.memory()],
                 at => &mut coefs[at - sh.coef()],

@@ -23,7 +23,7 @@ use crate::parameter::put;
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_compile::load::finish;
-use ca_core::op::layout::CoordinateSource;
+use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
@@ -54,12 +54,12 @@ pub struct Reverse {
 fn ports(scene: &Scene) -> Vec<usize> {
     let l = &scene.layout;
     let says_where = |input: usize| {
-        let mut moved = l.enx.iter().filter(|p| p.input as usize == input);
+        let mut moved = l.enx.iter().chain(&l.tgr).filter(|p| p.input as usize == input);
         let at = |m: u32| l.moving_points.iter().any(|p| p.at.contains(&CoordinateSource::Mat(m)));
         moved.any(|p| at(p.mat))
     };
-    let device = |i: usize| scene.inputs[i].role == InputRole::Device;
-    (0..scene.inputs.len()).filter(|i| !device(*i) && !says_where(*i)).collect()
+    let late = |i: usize| scene.inputs[i].role == InputRole::Device && l.crossing.latency > 0;
+    (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
 }
 
 /// The number that a place of an array of [`Reverse::place`] has.
@@ -126,10 +126,10 @@ impl Reverse {
                     .filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
             wanted.extend(at.map(|v| (v, "where a point is on a string or a skin")));
         }
-        for (_, what) in wanted.into_iter().filter(|(v, _)| self.needed[*v as usize]) {
-            return Err(format!("no reverse mode: a parameter changes {what}; ask for forward mode"));
+        match wanted.into_iter().find(|(v, _)| self.needed[number(*v)]) {
+            Some((_, what)) => Err(format!("no reverse mode: a parameter changes {what}; ask for forward mode")),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// The sound rate \[Hz\].
@@ -147,8 +147,8 @@ impl Reverse {
         &self.parameters
     }
 
-    /// Names of the ports by which is differentiated too: those of position and of force that say of no point where on a string or a
-    /// skin it is. Not those of devices, which are given once a frame.
+    /// Names of the ports by which is differentiated too: those that say of no point where on a string or a skin it is. What a device is
+    /// given counts in the samples in which its frames end; with a `latency` there are no derivatives by it.
     pub fn ports(&self) -> impl Iterator<Item = &str> {
         self.ports.iter().map(|i| self.scene.inputs[*i].name.as_str())
     }
@@ -159,6 +159,22 @@ impl Reverse {
     /// As [`Forward::output`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         crate::forward::output(&self.scene, seconds, gesture, goes_on)
+    }
+
+    /// Of which samples of a gesture an input counts at a tick, and in which parts: of a device those at the ends of frames, on a
+    /// straight line from one to the next (docs/numerics.md §5.1).
+    fn given_at(&self, input: usize, tick: usize) -> [(usize, f64); 2] {
+        let l = &self.scene.layout;
+        let frame = l.frame as usize;
+        if self.scene.inputs[input].role != InputRole::Device || tick == 0 {
+            return [(tick, 1.0), (tick, 0.0)];
+        }
+        let last = tick.div_ceil(frame) * frame;
+        let part = match l.crossing.shape {
+            PortShape::Linear => (tick + frame - last) as f64 / frame as f64,
+            PortShape::Hold => 1.0,
+        };
+        [(last, part), (last - frame, 1.0 - part)]
     }
 
     /// The gradient of a loss of what is heard, from its cotangent (frames x outputs), as [`Forward::gradient`]; by what ports are
@@ -217,8 +233,11 @@ impl Reverse {
                 let next = record.row(i + 1).d;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
                 back.back(tick, record.row(i), next, owed);
-                for (to, i) in by_inputs[tick * ports..].iter_mut().zip(&self.ports) {
-                    *to = back.inputs[*i];
+                for (k, i) in self.ports.iter().enumerate() {
+                    // a gesture may end within a frame
+                    for (given, part) in self.given_at(*i, tick).into_iter().filter(|g| g.0 < frames) {
+                        by_inputs[given * ports + k] += part * back.inputs[*i];
+                    }
                 }
             }
             asked += ticks as u64;

@@ -110,11 +110,10 @@ impl Parts {
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
-                if matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") {
-                    continue;
-                } else {
+                if !matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") {
                     return Err(pass(op));
                 }
+                continue;
             };
             if law.implicit || op.form.set && op.form.tap {
                 return Err(pass(op));

@@ -60,8 +60,9 @@ class Gradient:
         wrt: names of the parameters.
         values: their values (parameters).
         units: their units, of SI; empty for plain numbers.
-        inputs: derivatives by what each port is given in each sample (frames), per m or N, by its name: ports of position and of
-            force, but none that says where a point is; in forward mode there are none.
+        inputs: derivatives by what each port is given in each sample (frames), per m or N, by its name; of a device in the samples in
+            which its frames end. None of a port that says where a point is, or of a device with a `latency`, and none in forward
+            mode.
         mode: which way it was found, ``"reverse"`` or ``"forward"``.
     """
 

@@ -123,3 +123,54 @@ def test_shapes_are_checked() -> None:
         scene.gradient(["bar.f"])
     with pytest.raises(ca.UsageError, match="no derivative by"):
         scene.tangents(["bar.f"], 0.01)["bar.m"]
+
+
+STRING = BAR + '[MAS]\nbob = { m = "5 g", x = "-1 mm", v = "0.8 m/s" }\n[BUT]\nhit = { between = ["bob", "bar"], k = "9 kN/m" }\n'
+
+
+@pytest.mark.parametrize("text", [BAR, STRING])
+def test_both_modes_find_the_same(text: str) -> None:
+    scene = ca.parse(text)
+    names = ["bar.f", "bar.m", "bar.t60", "bar.dx0", "left.gain"] + (["hit.k", "bob.v"] if "hit" in text else [])
+    y = scene.tangents(names, 0.02).audio
+    found = {mode: scene.gradient(names, cotangent=y, mode=mode) for mode in ("auto", "reverse", "forward")}  # type: ignore[arg-type]
+    assert [found[mode].mode for mode in found] == ["reverse", "reverse", "forward"]
+    # each in units of its parameter: of what it changes where that changes by itself
+    scale = np.abs(found["forward"].gradient * found["forward"].values).max()
+    for mode in ("auto", "reverse"):
+        off = np.abs((found[mode].gradient - found["forward"].gradient) * found["forward"].values)
+        assert off.max() < 1e-10 * scale
+
+
+def test_what_reverse_mode_does_not_know_goes_forward() -> None:
+    scene = ca.parse('[model]\nmethod = "implicit"\n[SOL]\nwall = {}\n[MAS]\na = { m = "1 g", dx0 = "1 mm" }\n[RES]\ns = { between = ["wall", "a"], k = "8 kN/m" }\n[SOX]\nout = { from = "a" }\n')
+    assert scene.gradient(["s.k"], cotangent=np.ones(99)).mode == "forward"
+    with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass .* ask for forward mode"):
+        scene.gradient(["s.k"], cotangent=np.ones(99), mode="reverse")
+    with pytest.raises(ca.UsageError, match="`auto`, `reverse` or `forward`"):
+        scene.gradient(["s.k"], cotangent=np.ones(99), mode="back")  # type: ignore[arg-type]
+
+
+def test_a_gesture_has_a_gradient() -> None:
+    """What a port is given in each sample, by the sum over the sound of what it changes: of a linear scene exactly."""
+    text = BAR + '[ENF]\npush = { to = "bar" }\n[ENX]\nkey = {}\n[REF]\ntie = { between = ["key", "bar"], k = "300 N/m", z = "0.1 N s/m" }\n'
+    scene, n = ca.parse(text), 400
+    rng = np.random.default_rng(1)
+    given = {"push": rng.normal(size=n), "key": 1e-3 * rng.normal(size=n)}
+    weights = rng.normal(size=(n, 2))
+
+    def heard(moved: dict[str, Floats]) -> float:
+        return float((scene.tangents(["bar.f"], n / scene.rate, gesture=moved).audio * weights).sum())
+
+    g = scene.gradient(cotangent=weights, gesture=given)
+    assert g.wrt == () and set(g.inputs) == {"push", "key"} and g.inputs["key"].shape == (n,)
+    base = heard(given)
+    for name, step in (("push", 1.0), ("key", 1e-3)):
+        for k in (0, 1, 7, 300, n - 2):
+            moved = {**given, name: given[name] + step * (np.arange(n) == k)}
+            assert heard(moved) - base == pytest.approx(step * g.inputs[name][k], rel=1e-7, abs=1e-9 * abs(base))
+
+
+def test_without_names_and_ports_there_is_nothing_to_find() -> None:
+    with pytest.raises(ca.UsageError, match="names no parameter"):
+        ca.parse(BAR).gradient(cotangent=np.ones((9, 2)))
