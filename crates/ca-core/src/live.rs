@@ -8,7 +8,7 @@
 use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::numeric::{Plain, Real, real, wide};
+use crate::numeric::{Outer, Plain, Real, inner, lift, outer, real, wide};
 use crate::op::Law;
 use crate::state::{Identity, State};
 use crate::tuning::Scheme;
@@ -361,7 +361,7 @@ impl State {
         let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
-            self.ramp(*i as usize, *v, ticks);
+            self.ramp(*i as usize, lift(*v), ticks);
         }
         true
     }
@@ -371,18 +371,18 @@ impl State {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
         if wide(goal).to_bits() != wide(v).to_bits() {
-            self.ramp(i, wide(v), ticks);
+            self.ramp(i, outer(v), ticks);
         }
     }
 
-    fn ramp(&mut self, i: usize, v: f64, ticks: u32) {
+    fn ramp(&mut self, i: usize, v: Outer, ticks: u32) {
         let r = &mut self.ramps;
         if r.left[i] == 0 {
             r.active[r.moving] = i as u32;
             r.moving += 1;
         }
         r.left[i] = ticks;
-        r.target[i] = real(v);
-        r.step[i] = real((v - wide(self.coef[r.index[i] as usize])) / f64::from(ticks));
+        r.target[i] = inner(v);
+        r.step[i] = inner((v - outer(self.coef[r.index[i] as usize])) / f64::from(ticks));
     }
 }

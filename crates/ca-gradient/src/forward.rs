@@ -63,7 +63,7 @@ impl Forward {
     ///
     /// # Errors
     /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
-    /// which there are derivatives, or the scene has groups at the gesture rate or parameters that ports drive.
+    /// which there are derivatives, or the scene has groups at the gesture rate.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
         let (mut forward, mut scene) = Forward::begun(loaded, options, wrt)?;
         let start = Start::of_dual(&mut scene);
@@ -106,13 +106,6 @@ impl Forward {
         let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
         if scene.slow.is_some() {
             let what = "no derivatives of this scene: groups at the gesture rate are not differentiated; leave out `rate = \"gesture\"` of the group";
-            return Err(Error::refused(what));
-        }
-        if let Some(d) = scene.live.driven.first() {
-            let what = format!(
-                "no derivatives of this scene: its `{}` is driven by the port `{}`, which is not differentiated; drive it by no port",
-                d.param.name, d.port
-            );
             return Err(Error::refused(what));
         }
         Ok((forward, scene))

@@ -17,7 +17,7 @@
 //!
 //! The tick is differentiable nearly everywhere: where a contact closes, friction turns or a table has a corner, the derivative
 //! is that of the branch that was taken (docs/numerics.md §9). What is refused, by name: parameters that are whole numbers,
-//! words or flags, or change what is built; groups at the gesture rate; parameters that a port or a gesture drives.
+//! words or flags, or change what is built; groups at the gesture rate; parameters that a gesture drives.
 //!
 //! ```
 //! use ca_gradient::{Forward, Reverse};

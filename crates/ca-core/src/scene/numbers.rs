@@ -12,7 +12,7 @@ use crate::state::{Identity, State};
 
 impl Scene {
     /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
-    /// gesture rate, of parameters that ports drive, and of device ports.
+    /// gesture rate, and of device ports.
     pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
         layout(&mut self.layout, visit);
         state(&mut self.initial, visit);
@@ -43,6 +43,7 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
         blockers,
         lowpass,
         implicit,
+        driven,
         sample_dt: _,
         ratio: _,
         frame: _,
@@ -65,7 +66,6 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
         modal_couplings: _,
         enf: _,
         tgr: _,
-        driven: _,
         crossing: _,
         weighed: _,
         outputs: _,
@@ -82,6 +82,9 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
     }
     for t in tables {
         t.numbers(visit);
+    }
+    for d in driven {
+        d.table.iter_mut().for_each(&mut *visit);
     }
     for p in enx {
         visit(&mut p.rest);

@@ -65,6 +65,8 @@ pub struct Adjoint<'a> {
     place: &'a Scene,
     /// what is owed to the numbers
     pub owed: Vec<f64>,
+    /// what is owed to coefficients that ports drive, as they are at the tick at hand
+    pub driven: Vec<f64>,
     /// what is owed to inputs at the tick at hand, to a device as if it were given in each
     pub inputs: Vec<f64>,
 }
@@ -100,7 +102,8 @@ impl<'a> Adjoint<'a> {
             let name = scene.forces[op].name;
             format!("no reverse mode of this scene: it has the pass `{name}`; ask for forward mode")
         };
-        let single = |link: &Link| Single::new(scene, link, dual, place, &is_needed).ok_or_else(|| no(link.op));
+        let single =
+            |link: &Link| Single::new(scene, link, dual, place, &is_needed, &parts.driven).ok_or_else(|| no(link.op));
         let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
         let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
         let outputs = Outputs::of(scene);
@@ -120,6 +123,7 @@ impl<'a> Adjoint<'a> {
             first: vec![0.0; n],
             owed: vec![0.0; needed.len()],
             inputs: vec![0.0; scene.inputs.len()],
+            driven: vec![0.0; parts.driven.len()],
             taps: vec![0.0; scene.layout.n_tap],
             heard: Vec::new(),
             layout,
@@ -210,8 +214,17 @@ impl<'a> Adjoint<'a> {
             Owed::Force(t, v) => taps[t] += v,
         };
         self.outputs.back(tick, owed, &row, to, gains);
+        self.driven.fill(0.0);
         // links that go by the sums of forces, and what is owed to these by all others
-        let mut way = Way { a, now, taps, mem: &mut self.mem, lengths: &mut self.lengths, owed: owed_to };
+        let mut way = Way {
+            a,
+            now,
+            taps,
+            mem: &mut self.mem,
+            lengths: &mut self.lengths,
+            owed: owed_to,
+            driven: &mut self.driven,
+        };
         let mut sums = row.sums;
         for s in &mut self.last {
             let (own, others) = sums.split_at(s.slots().len() + 1);

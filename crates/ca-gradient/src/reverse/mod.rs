@@ -161,6 +161,42 @@ impl Reverse {
         crate::forward::output(&self.scene, seconds, gesture, goes_on)
     }
 
+    /// Back from coefficients that ports drive: at the end of a frame they are what the table says of the port as the frame begins, and on a
+    /// straight line to it within. Tells how much is owed to an input in a sample of a gesture.
+    fn drive(&self, tick: usize, given: &[f64], back: &mut Adjoint, mut to: impl FnMut(usize, usize, f64)) {
+        let (l, inputs) = (&self.scene.layout, self.scene.inputs.len());
+        let frame = l.frame as usize;
+        let last = tick.div_ceil(frame) * frame;
+        let part = if tick == 0 { 1.0 } else { (tick + frame - last) as f64 / frame as f64 };
+        for (d, place) in l.driven.iter().zip(&self.place.layout.driven) {
+            let (input, n) = (d.input as usize, d.places.len());
+            let device = self.scene.inputs[input].role == InputRole::Device;
+            for (last, part) in [(last, part), (last.saturating_sub(frame), 1.0 - part)] {
+                let first = (last + 1).saturating_sub(frame);
+                let step = (d.rows - 1) as f64 / (d.span[1] - d.span[0]);
+                let at = (given[first * inputs + input] - d.span[0]) * step;
+                if part == 0.0 || !at.is_finite() {
+                    continue;
+                }
+                let inside = at.clamp(0.0, (d.rows - 1) as f64);
+                let row = (inside as usize).min(d.rows - 2);
+                let share = inside - row as f64;
+                for (k, live) in d.places.iter().enumerate() {
+                    let coef = self.scene.live.coefs[*live as usize] as usize;
+                    let Ok(which) = self.parts.driven.binary_search(&coef) else { continue };
+                    let owed = part * back.driven[which];
+                    let [below, above] = [row * n + k, (row + 1) * n + k];
+                    back.owed[number(place.table[below])] += (1.0 - share) * owed;
+                    back.owed[number(place.table[above])] += share * owed;
+                    if at == inside {
+                        let slope = (d.table[above] - d.table[below]) * step;
+                        to(if device { last } else { first }, input, slope * owed);
+                    }
+                }
+            }
+        }
+    }
+
     /// Of which samples of a gesture an input counts at a tick, and in which parts: of a device those at the ends of frames, on a
     /// straight line from one to the next (docs/numerics.md §5.1).
     fn given_at(&self, input: usize, tick: usize) -> [(usize, f64); 2] {
@@ -233,6 +269,11 @@ impl Reverse {
                 let next = record.row(i + 1).d;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
                 back.back(tick, record.row(i), next, owed);
+                self.drive(tick, &given, &mut back, |sample, input, owed| {
+                    if let Some(k) = self.ports.iter().position(|i| *i == input).filter(|_| sample < frames) {
+                        by_inputs[sample * ports + k] += owed;
+                    }
+                });
                 for (k, i) in self.ports.iter().enumerate() {
                     // a gesture may end within a frame
                     for (given, part) in self.given_at(*i, tick).into_iter().filter(|g| g.0 < frames) {

@@ -28,6 +28,8 @@ pub struct Parts {
     pub held: Vec<usize>,
     /// outputs that hear forces, by their taps
     pub hears: Vec<Tap>,
+    /// coefficients that ports drive, rising: indices into [`State::coef`](ca_core::State::coef)
+    pub driven: Vec<usize>,
     /// slots of which the sum of the forces is heard, or a link of `last` goes by it
     pub summed: Vec<usize>,
 }
@@ -74,6 +76,12 @@ fn basis(op: &Op) -> Option<Basis> {
     (op.form.onto.is_none() && op.form.measure == MeasureKind::Line && !law.implicit).then(|| Basis::of(law))?
 }
 
+/// The coefficients of a pass of links; of a set one row.
+fn coefficients(op: &Op) -> Option<std::ops::Range<usize>> {
+    let n = if op.form.set { 1 } else { op.n };
+    op.law.map(|law| op.coef..op.coef + law.coefs * n)
+}
+
 impl Parts {
     /// The parts of a scene, or the pass that reverse mode does not know.
     pub fn of(scene: &Scene) -> Result<Parts, String> {
@@ -88,7 +96,7 @@ impl Parts {
         let known = |list: &[Op], names: &[&str]| {
             list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)))
         };
-        known(&scene.reads, &["ENX", "TGR in", "changes", "aim", "points"])?;
+        known(&scene.reads, &["ENX", "TGR in", "driven", "changes", "aim", "points"])?;
         let writes = ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
         known(&scene.writes, &writes)?;
         let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
@@ -104,9 +112,18 @@ impl Parts {
                 .map(|m| m as usize)
                 .collect(),
             sets: Vec::new(),
+            driven: Vec::new(),
             hears: scene.layout.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
             summed: Vec::new(),
         };
+        let driven = scene.layout.driven.iter().flat_map(|d| &d.places);
+        parts.driven = driven.map(|place| scene.live.coefs[*place as usize] as usize).collect();
+        parts.driven.sort_unstable();
+        parts.driven.dedup();
+        let of_links: Vec<std::ops::Range<usize>> = scene.summed().iter().filter_map(coefficients).collect();
+        if parts.driven.iter().any(|c| !of_links.iter().any(|r| r.contains(c))) {
+            return Err(no("a port drives a number of it that is of no link"));
+        }
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
@@ -119,13 +136,18 @@ impl Parts {
                 return Err(pass(op));
             }
             if op.form.set {
+                if coefficients(op).is_some_and(|r| parts.driven.iter().any(|c| r.contains(c))) {
+                    return Err(pass(op));
+                }
                 parts.sets.push(k);
                 continue;
             }
             // of what stands between others the weights may change from tick to tick
             let between = |m: &usize| points.contains(m);
             let at_points = (0..op.n).any(|i| slots(scene, op, i).iter().any(between));
-            if let Some(basis) = basis(op).filter(|_| !at_points) {
+            // and what is linear is its own transpose only while it does not change
+            let changes = coefficients(op).is_some_and(|r| parts.driven.iter().any(|c| r.contains(c)));
+            if let Some(basis) = basis(op).filter(|_| !at_points && !changes) {
                 parts.linear.push((k, basis));
                 continue;
             }

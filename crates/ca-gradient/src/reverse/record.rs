@@ -21,12 +21,14 @@ pub struct Row<'a> {
     pub heard: &'a [f64],
     /// nodes and weights under each moving point (points x 8)
     pub cells: &'a [f64],
+    /// coefficients that ports drive, as [`Parts::driven`]
+    pub driven: &'a [f64],
 }
 
 /// So many ticks one after the other, and the places and motions behind the last.
 pub struct Record {
     /// how many numbers of each kind a tick has, in the order of [`Row`]
-    parts: [usize; 7],
+    parts: [usize; 8],
     width: usize,
     all: Vec<f64>,
 }
@@ -38,21 +40,23 @@ impl Record {
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
         let (mem, lengths) = if remembers { (scene.initial.mem.len(), scene.initial.lengths.len()) } else { (0, 0) };
         let sums = parts.last.iter().map(|l| l.slots.len() + 1).sum();
-        let parts = [n, n, mem, lengths, sums, parts.hears.len(), 8 * scene.layout.moving_points.len()];
+        let parts =
+            [n, n, mem, lengths, sums, parts.hears.len(), 8 * scene.layout.moving_points.len(), parts.driven.len()];
         let width = parts.iter().sum();
         Record { parts, width, all: vec![0.0; (ticks + 1) * width] }
     }
 
     /// What tick `k` of the stretch began with.
     pub fn row(&self, k: usize) -> Row<'_> {
-        let [n, _, mems, lengths, sums, hears, _] = self.parts;
+        let [n, _, mems, lengths, sums, hears, cells, _] = self.parts;
         let (x, rest) = self.all[k * self.width..][..self.width].split_at(n);
         let (d, rest) = rest.split_at(n);
         let (mem, rest) = rest.split_at(mems);
         let (lengths, rest) = rest.split_at(lengths);
         let (sums, rest) = rest.split_at(sums);
-        let (heard, cells) = rest.split_at(hears);
-        Row { x, d, mem, lengths, sums, heard, cells }
+        let (heard, rest) = rest.split_at(hears);
+        let (cells, driven) = rest.split_at(cells);
+        Row { x, d, mem, lengths, sums, heard, cells, driven }
     }
 
     /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
@@ -66,7 +70,7 @@ impl Record {
         let (before, behind) = scene.summed().split_at(last);
         let heard = scene.writes.iter().find(|op| op.name == "heard links");
         let inputs = scene.inputs.len();
-        let [n, _, mems, lengths, sums, heard_forces, _] = self.parts;
+        let [n, _, mems, lengths, sums, heard_forces, weights, _] = self.parts;
         for k in 0..ticks {
             s.input.copy_from_slice(&given[k * inputs..][..inputs]);
             run(&scene.reads, s);
@@ -75,11 +79,15 @@ impl Record {
             let (mem, rest) = rest.split_at_mut(mems);
             let (lengths, rest) = rest.split_at_mut(lengths);
             let (sums, rest) = rest.split_at_mut(sums);
-            let (hears, cells) = rest.split_at_mut(heard_forces);
+            let (hears, rest) = rest.split_at_mut(heard_forces);
+            let (cells, driven) = rest.split_at_mut(weights);
             x.copy_from_slice(&s.x);
             d.copy_from_slice(&s.d);
             mem.copy_from_slice(&s.mem[..mem.len()]);
             lengths.copy_from_slice(&s.lengths[..lengths.len()]);
+            for (to, c) in driven.iter_mut().zip(&parts.driven) {
+                *to = s.coef[*c];
+            }
             for (to, c) in cells.chunks_exact_mut(8).zip(&s.cells) {
                 for q in 0..4 {
                     (to[q], to[4 + q]) = (f64::from(c.node[q]), if q < c.n { c.weight[q] } else { 0.0 });

@@ -20,6 +20,8 @@ pub struct Way<'w> {
     pub lengths: &'w mut [f64],
     /// what is owed to the numbers of the scene
     pub owed: &'w mut [f64],
+    /// what is owed to coefficients that ports drive, as they are at this tick
+    pub driven: &'w mut [f64],
 }
 
 /// A link that is run alone, with its numbers.
@@ -35,6 +37,8 @@ pub struct Single {
     idle: Option<(f64, f64)>,
     /// what it reads that some parameter changes: index into what it reads, and into the numbers
     numbers: Vec<(usize, usize)>,
+    /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](super::parts::Parts::driven)
+    driven: Vec<(usize, usize)>,
     /// what it reads of which is asked what is owed to it, in each tick, and where lengths before are not kept
     wanted: [Vec<usize>; 2],
 }
@@ -47,6 +51,7 @@ impl Single {
         dual: &ca_core_dual::Scene,
         place: &Scene,
         needed: &impl Fn(f64) -> bool,
+        driven: &[usize],
     ) -> Option<Single> {
         let op = &scene.forces[link.op];
         let mut alone = Alone::new(op, dual)?;
@@ -79,10 +84,14 @@ impl Single {
         let used = |k: usize| sh.last || !own.contains(&k);
         let numbers: Vec<(usize, usize)> =
             all.iter().filter(|(k, _, at)| used(*k) && needed(*at)).map(|(k, _, at)| (*k, number(*at))).collect();
-        let wanted =
-            [false, true].map(|motions| sh.carried(motions).into_iter().chain(numbers.iter().map(|n| n.0)).collect());
+        let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&(op.coef + k * op.n + i)).ok()?));
+        let driven: Vec<(usize, usize)> = (0..sh.coefs).filter_map(of_port).collect();
+        // what is driven has its due through the port
+        let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
+        let known = || numbers.iter().chain(&driven).map(|n| n.0);
+        let wanted = [false, true].map(|motions| sh.carried(motions).into_iter().chain(known()).collect());
         let line = sh.ports.len() == 1 && sh.slots == 2;
-        let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last);
+        let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last && driven.is_empty());
         let idle = law.map(|law| (law.idle)(&alone.given[sh.coef()..][..sh.coefs]));
         Some(Single {
             mem: op.mem + i * sh.mem,
@@ -92,6 +101,7 @@ impl Single {
             alone,
             idle,
             numbers,
+            driven,
             wanted,
         })
     }
@@ -129,6 +139,9 @@ impl Single {
             given[at_f..][..sums.len() - 1].copy_from_slice(&sums[..sums.len() - 1]);
         }
         given[at_mem..][..mems.len()].copy_from_slice(&row.mem[mems.clone()]);
+        for (k, at) in &self.driven {
+            given[*k] = row.driven[*at];
+        }
         let (mut motions, mut lengths) = (false, [0.0; 2]);
         for (k, (p, at)) in sh.ports.iter().zip(&self.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
             debug_assert!(p.follows);
@@ -158,6 +171,9 @@ impl Single {
         }
         for (k, at) in &self.numbers {
             way.owed[*at] += owed[*k];
+        }
+        for (k, at) in &self.driven {
+            way.driven[*at] += owed[*k];
         }
     }
 }

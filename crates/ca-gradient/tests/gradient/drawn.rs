@@ -209,6 +209,10 @@ const METHODS: &[(&str, &str)] = &[
         "[rate]\noversample = 3\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 2, hear = 'speed' }\nhigh = { from = 'bar', gain = 3, dc = '20 Hz' }\n",
     ),
     (
+        "numbers that a port drives",
+        "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\npitch = { port = 'hand', span = [0, '20 mm'], min = '200 Hz', max = '260 Hz' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = 'pitch', t60 = '0.5 s' }\nother = { m = '2 g', f = '300 Hz', t60 = '0.5 s' }\n[RES]\ntie = { between = ['bar', 'other'], k = '1 kN/m' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'other' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\nhand = [[0, '1 mm'], ['10 ms', '7 mm'], ['30 ms', '3 mm']]\n",
+    ),
+    (
         "a body in space with softened springs and a floor",
         "[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\nfloor = { x = [0, 0, '-30 mm'] }\n[air.MAS]\nball = { m = '5 g', x = ['12 mm', '16 mm', '1 mm'], v = ['0.5 m/s', '-0.2 m/s', '-0.3 m/s'] }\n[air.CUB]\nedge = { between = ['air.nail', 'air.ball'], k = '2 kN/m', k3 = '1e7 N/m^3', soften = '3 mm', z = '0.1 N s/m' }\n[air.BUT]\nstop = { between = ['air.floor', 'air.ball'], k = '3 kN/m', d = '33 mm', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'air.ball', along = [1, 0.5, 0.2] }\n",
     ),

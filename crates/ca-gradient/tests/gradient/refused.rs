@@ -74,13 +74,10 @@ fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
 }
 
 #[test]
-fn groups_at_the_gesture_rate_and_driven_parameters_are_refused() {
+fn groups_at_the_gesture_rate_are_refused() {
     let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['key.bed', 'key.lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[BUT]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
     let said = refused(slow, "bar.m");
     assert!(said.contains("gesture rate"), "{said}");
-    let driven = "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'bar' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\n";
-    let said = refused(driven, "bar.m");
-    assert!(said.contains("`force` is driven by the port `hand`"), "{said}");
 }
 
 /// A number of a gesture changes what ports are given, of which there is no derivative: 0 would be believed.

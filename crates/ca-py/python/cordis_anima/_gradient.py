@@ -130,7 +130,7 @@ class Derivatives:
 
         Raises:
             UsageError: no such name; a whole number, a word or a flag, by which there are no derivatives; a parameter that changes
-                what is built; groups at the gesture rate; parameters that ports or gestures drive; a scene that diverges.
+                what is built; groups at the gesture rate; parameters that gestures drive; a scene that diverges.
 
         >>> import cordis_anima as ca
         >>> t = ca.examples.string().tangents(["hammer.v", "low.f"], 0.1)
