@@ -16,6 +16,7 @@ use crate::reverse::parts::{Basis, Link, Parts};
 use crate::reverse::record::Row;
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Tick};
+use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
 
@@ -195,7 +196,11 @@ impl<'a> Adjoint<'a> {
     pub fn back(&mut self, tick: usize, row: Row, next: &[f64], owed: &[f64]) {
         let (a, owed_to, place) = (&mut self.a, &mut self.owed, self.place);
         let [now, late] = &mut self.motion;
-        // what stands between others is given the forces of these in parts
+        // what goes by modes, and what stands between others, is given the forces of these in parts
+        let is = |name: &'static str| move |op: &&Op| op.name == name;
+        if let Some(op) = self.scene.reads.iter().find(is("modal ports")) {
+            (op.kernel)(op, &self.layout, a);
+        }
         let points = &self.scene.layout.moving_points;
         let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
         for (m, cell) in cells() {
@@ -206,14 +211,19 @@ impl<'a> Adjoint<'a> {
         self.before.clear();
         self.before.extend(summed.iter().map(|m| [a.x[*m], a.d[*m]]));
         let gains = |at: usize, v: f64| owed_to[number(place.initial.coef[at])] += v;
-        let (x, f) = (&mut a.x, &mut a.f);
+        let (x, f, mut high_passes) = (&mut a.x, &mut a.f, Vec::new());
         let to = |owed: Owed| match owed {
             Owed::Place(m, v) => f[m] += v,
             Owed::Motion(m, v) => now[m] += v,
             Owed::Sum(m, v) => x[m] += v,
             Owed::Force(t, v) => taps[t] += v,
+            Owed::HighPass(k, by) => high_passes.push((k, by)),
         };
         self.outputs.back(tick, owed, &row, to, gains);
+        for (k, [r, g]) in high_passes {
+            owed_to[number(place.layout.blockers[k].r)] += r;
+            owed_to[number(place.layout.blockers[k].g)] += g;
+        }
         self.driven.fill(0.0);
         // links that go by the sums of forces, and what is owed to these by all others
         let mut way = Way {
@@ -289,6 +299,21 @@ impl<'a> Adjoint<'a> {
             a.f[*m] += now[*m] - late[*m];
             if let Some(b) = &mut forced {
                 b.f[*m] += now[*m];
+            }
+        }
+        if let Some(op) = self.scene.summed().iter().find(is("modes")) {
+            for ((p, other), force) in self.scene.layout.modal.iter().zip(&place.layout.modal).zip(row.modal) {
+                let (m, first, n) = (p.mat as usize, p.first as usize, p.n as usize);
+                // at the first tick its motion is no difference of two places
+                let start = forced.as_ref().map_or(0.0, |b| b.f[m]);
+                for (k, share) in place.layout.shares[other.share as usize..][..n].iter().enumerate() {
+                    let q = first + k;
+                    owed_to[number(*share)] += a.f[m] * row.x[q] + start * (row.d[q] - row.x[q]) + a.x[q] * force;
+                }
+            }
+            (op.kernel)(op, layout, a);
+            if let Some(b) = &mut forced {
+                (op.kernel)(op, layout, b);
             }
         }
         // at the first tick a port has no motion

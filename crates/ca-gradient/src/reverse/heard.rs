@@ -13,7 +13,8 @@ struct Heard {
     at: usize,
     /// it hears motion
     motion: bool,
-    high_pass: Option<Blocker>,
+    /// its high pass, with its number
+    high_pass: Option<(usize, Blocker)>,
     /// what is owed to the high pass at the tick after
     kept: f64,
 }
@@ -35,6 +36,8 @@ pub enum Owed {
     Sum(usize, f64),
     /// the force of a link, by its index into the taps
     Force(usize, f64),
+    /// r and g of a high pass, by its number
+    HighPass(usize, [f64; 2]),
 }
 
 impl Outputs {
@@ -50,7 +53,7 @@ impl Outputs {
             gain: scene.initial.coef[gains + k],
             at: gains + k,
             motion: k >= n - passed || (n - high - motion..n - high).contains(&k),
-            high_pass: k.checked_sub(n - high).map(|k| l.blockers[k]),
+            high_pass: k.checked_sub(n - high).map(|k| (k, l.blockers[k])),
             kept: 0.0,
         };
         Outputs {
@@ -88,11 +91,12 @@ impl Outputs {
         let mut forces = row.heard.iter();
         for h in &mut self.all {
             let mut v = owed[h.channel];
-            if let Some(c) = h.high_pass {
+            let mut to_filter = 0.0;
+            if let Some((_, c)) = h.high_pass {
                 // what is heard at load has always been there
                 let now = if tick > 0 { v + c.r * h.kept } else { 0.0 };
                 v = c.g * (now - h.kept);
-                h.kept = now;
+                (h.kept, to_filter) = (now, now);
             }
             let (raw, owed) = match h.tap {
                 Tap::Position(m) if h.motion => (row.d[m as usize], Owed::Motion(m as usize, h.gain * v)),
@@ -102,6 +106,11 @@ impl Outputs {
             };
             gains(h.at, v * raw);
             to(owed);
+            if let Some((k, _)) = h.high_pass.filter(|_| to_filter != 0.0) {
+                if let Some([before, y]) = row.passed.get(2 * k..).and_then(|p| p.first_chunk::<2>()) {
+                    to(Owed::HighPass(k, [to_filter * y, to_filter * (h.gain * raw - before)]));
+                }
+            }
         }
     }
 }

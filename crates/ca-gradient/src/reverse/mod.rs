@@ -119,7 +119,6 @@ impl Reverse {
             t.numbers(&mut |v| wanted.push((*v, "a table of a law")));
         }
         wanted.extend(place.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
-        wanted.extend(place.blockers.iter().flat_map(|b| [b.r, b.g]).map(|v| (v, "the high pass of an output")));
         for p in &place.moving_points {
             let at =
                 p.at.iter()
@@ -258,7 +257,8 @@ impl Reverse {
         let owed = Outputs::of(scene).before_low_pass(cotangent);
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];
-        let mut record = Record::new(scene, &self.parts, stretch);
+        let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
+        let mut record = Record::new(scene, &self.parts, stretch, filters);
         let mut asked = 0;
         for (k, mut s) in kept.into_iter().enumerate().rev() {
             let first = k * stretch;

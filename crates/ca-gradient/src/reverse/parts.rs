@@ -24,7 +24,7 @@ pub struct Parts {
     pub last: Vec<Link>,
     /// passes that move masses, as indices into [`Scene::moves`]
     pub moves: Vec<usize>,
-    /// slots that a port moves, or that stand between others
+    /// slots that a port moves, that stand between others or go by modes
     pub held: Vec<usize>,
     /// outputs that hear forces, by their taps
     pub hears: Vec<Tap>,
@@ -96,7 +96,7 @@ impl Parts {
         let known = |list: &[Op], names: &[&str]| {
             list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)))
         };
-        known(&scene.reads, &["ENX", "TGR in", "driven", "changes", "aim", "points"])?;
+        known(&scene.reads, &["ENX", "TGR in", "modal ports", "driven", "changes", "aim", "points"])?;
         let writes = ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
         known(&scene.writes, &writes)?;
         let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
@@ -109,6 +109,7 @@ impl Parts {
             held: ports
                 .map(|p| p.mat)
                 .chain(scene.layout.moving_points.iter().map(|p| p.mat))
+                .chain(scene.layout.modal.iter().map(|p| p.mat))
                 .map(|m| m as usize)
                 .collect(),
             sets: Vec::new(),
@@ -127,7 +128,7 @@ impl Parts {
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
-                if !matches!(op.name, "ENF" | "weight" | "TGR out" | "points back") {
+                if !matches!(op.name, "ENF" | "weight" | "TGR out" | "points back" | "modes") {
                     return Err(pass(op));
                 }
                 continue;

@@ -23,40 +23,48 @@ pub struct Row<'a> {
     pub cells: &'a [f64],
     /// coefficients that ports drive, as [`Parts::driven`]
     pub driven: &'a [f64],
+    /// forces on masses that go by modes, as [`Layout::modal`](ca_core::op::layout::Layout::modal)
+    pub modal: &'a [f64],
+    /// what high passes heard last and gave, where some parameter changes them (any x 2)
+    pub passed: &'a [f64],
 }
 
 /// So many ticks one after the other, and the places and motions behind the last.
 pub struct Record {
     /// how many numbers of each kind a tick has, in the order of [`Row`]
-    parts: [usize; 8],
+    parts: [usize; 10],
     width: usize,
     all: Vec<f64>,
 }
 
 impl Record {
-    /// Room for so many ticks of a scene.
-    pub fn new(scene: &Scene, parts: &Parts, ticks: usize) -> Record {
+    /// Room for so many ticks of a scene; with what its `filters` hold.
+    pub fn new(scene: &Scene, parts: &Parts, ticks: usize, filters: bool) -> Record {
         let n = scene.layout.n_mat;
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
         let (mem, lengths) = if remembers { (scene.initial.mem.len(), scene.initial.lengths.len()) } else { (0, 0) };
         let sums = parts.last.iter().map(|l| l.slots.len() + 1).sum();
-        let parts =
-            [n, n, mem, lengths, sums, parts.hears.len(), 8 * scene.layout.moving_points.len(), parts.driven.len()];
+        let l = &scene.layout;
+        let passed = if filters { 2 * l.blockers.len() } else { 0 };
+        let (heard, cells, modal) = (parts.hears.len(), 8 * l.moving_points.len(), l.modal.len());
+        let parts = [n, n, mem, lengths, sums, heard, cells, parts.driven.len(), modal, passed];
         let width = parts.iter().sum();
         Record { parts, width, all: vec![0.0; (ticks + 1) * width] }
     }
 
     /// What tick `k` of the stretch began with.
     pub fn row(&self, k: usize) -> Row<'_> {
-        let [n, _, mems, lengths, sums, hears, cells, _] = self.parts;
+        let [n, _, mems, lengths, sums, hears, cells, driven, modal, _] = self.parts;
         let (x, rest) = self.all[k * self.width..][..self.width].split_at(n);
         let (d, rest) = rest.split_at(n);
         let (mem, rest) = rest.split_at(mems);
         let (lengths, rest) = rest.split_at(lengths);
         let (sums, rest) = rest.split_at(sums);
         let (heard, rest) = rest.split_at(hears);
-        let (cells, driven) = rest.split_at(cells);
-        Row { x, d, mem, lengths, sums, heard, cells, driven }
+        let (cells, rest) = rest.split_at(cells);
+        let (driven, rest) = rest.split_at(driven);
+        let (modal, passed) = rest.split_at(modal);
+        Row { x, d, mem, lengths, sums, heard, cells, driven, modal, passed }
     }
 
     /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
@@ -70,7 +78,7 @@ impl Record {
         let (before, behind) = scene.summed().split_at(last);
         let heard = scene.writes.iter().find(|op| op.name == "heard links");
         let inputs = scene.inputs.len();
-        let [n, _, mems, lengths, sums, heard_forces, weights, _] = self.parts;
+        let [n, _, mems, lengths, sums, heard_forces, weights, drives, modes, _] = self.parts;
         for k in 0..ticks {
             s.input.copy_from_slice(&given[k * inputs..][..inputs]);
             run(&scene.reads, s);
@@ -80,7 +88,9 @@ impl Record {
             let (lengths, rest) = rest.split_at_mut(lengths);
             let (sums, rest) = rest.split_at_mut(sums);
             let (hears, rest) = rest.split_at_mut(heard_forces);
-            let (cells, driven) = rest.split_at_mut(weights);
+            let (cells, rest) = rest.split_at_mut(weights);
+            let (driven, rest) = rest.split_at_mut(drives);
+            let (modal, passed) = rest.split_at_mut(modes);
             x.copy_from_slice(&s.x);
             d.copy_from_slice(&s.d);
             mem.copy_from_slice(&s.mem[..mem.len()]);
@@ -122,6 +132,13 @@ impl Record {
                         Tap::ForceOf(t) => s.tap[*t as usize],
                     };
                 }
+            }
+            for (to, p) in modal.iter_mut().zip(&scene.layout.modal) {
+                *to = s.f[p.mat as usize];
+            }
+            if !passed.is_empty() {
+                passed.copy_from_slice(s.blocked.as_flattened());
+                run(&scene.writes, s);
             }
             run(&scene.moves, s);
             s.tick += 1;
