@@ -96,6 +96,11 @@ impl<'a> Adjoint<'a> {
             (!l.is_idle()).then_some(l)
         };
         let listed = |(k, basis): &(usize, Basis)| wanted(Links::listed(scene, &scene.forces[*k], basis));
+        let solved = |k: &usize| {
+            let mut l = wanted(Links::listed(scene, &scene.forces[*k], &Basis::implicit()))?;
+            l.want_ahead();
+            Some(l)
+        };
         let of_row = |(k, basis): &(usize, Basis)| Links::row(&scene.moves[*k], basis);
         let n = scene.layout.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
@@ -112,7 +117,7 @@ impl<'a> Adjoint<'a> {
             links: singles(&parts.links)?,
             last: singles(&parts.last)?,
             sets: parts.sets.iter().map(pairs).collect::<Result<_, _>>()?,
-            listed: parts.linear.iter().filter_map(listed).collect(),
+            listed: parts.linear.iter().filter_map(listed).chain(parts.implicit.iter().filter_map(solved)).collect(),
             rows: parts.rows.iter().flat_map(of_row).filter_map(wanted).collect(),
             masses: Masses::new(n, own),
             motion: [vec![0.0; n], vec![0.0; n]],
@@ -283,7 +288,7 @@ impl<'a> Adjoint<'a> {
             b
         });
         let layout = &self.layout;
-        for (k, _) in &self.parts.linear {
+        for k in self.parts.linear.iter().map(|(k, _)| k).chain(&self.parts.implicit) {
             let op = &self.scene.forces[*k];
             (op.kernel)(op, layout, a);
             if let Some(b) = &mut forced {
@@ -325,6 +330,13 @@ impl<'a> Adjoint<'a> {
         for p in &self.scene.layout.tgr {
             self.inputs[p.input as usize] += to_port(p.mat);
         }
+        for k in &self.parts.solves {
+            let op = &self.scene.forces[*k];
+            (op.kernel)(op, layout, a);
+            if let Some(b) = &mut forced {
+                (op.kernel)(op, layout, b);
+            }
+        }
         for m in &self.parts.held {
             a.f[*m] = 0.0;
         }
@@ -353,14 +365,15 @@ impl<'a> Adjoint<'a> {
         let (scene, place) = (self.scene, self.place);
         let (coef, owed, n) = (&place.initial.coef, &mut self.owed, scene.layout.n_mat);
         let own = &scene.initial.coef;
+        // ν is what is owed to the motion to come by this inertia
+        let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
         for m in 0..n {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
             if c == 0.0 {
                 continue;
             }
-            let by_d = self.first[m] / c;
-            owed[number(place.initial.d[m])] += by_d;
-            owed[number(place.initial.x[m])] += self.a.x[m] / c - by_d;
+            owed[number(place.initial.d[m])] += by_d[m];
+            owed[number(place.initial.x[m])] += by_both[m] - by_d[m];
             let [sp, sq, sc] = &self.masses.sums;
             let at = |sums: &[f64]| sums.get(m).copied().unwrap_or(0.0);
             owed[number(coef[m])] += at(sp) / c;
@@ -371,6 +384,14 @@ impl<'a> Adjoint<'a> {
         }
         for l in self.listed.iter().chain(&self.rows) {
             for (i, (by_e, by_w)) in l.products[0].iter().zip(&l.products[1]).enumerate() {
+                if let Some(ahead) = l.ahead.get(i) {
+                    let [k, z, theta] = [0, 1, 2].map(|k| l.coef + k * l.n + i);
+                    let more = ahead - by_w;
+                    owed[number(coef[k])] += by_e + own[theta] * more;
+                    owed[number(coef[z])] += by_w + 0.5 * more;
+                    owed[number(coef[theta])] += own[k] * more;
+                    continue;
+                }
                 for (k, [e, w]) in l.basis.0.iter().enumerate() {
                     owed[number(coef[l.coef + k * l.n + i])] += e * by_e + w * by_w;
                 }
@@ -388,6 +409,23 @@ impl<'a> Adjoint<'a> {
         }
         self.owed
     }
+}
+
+/// The inertia of the scene times `v`: of masses, and what implicit links add.
+fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
+    let (n, coef) = (scene.layout.n_mat, &scene.initial.coef);
+    let mut all: Vec<f64> = v.iter().zip(&coef[2 * n..]).map(|(v, c)| if *c == 0.0 { 0.0 } else { v / c }).collect();
+    for k in &parts.implicit {
+        let op = &scene.forces[*k];
+        for i in 0..op.n {
+            let [a, b] = scene.layout.ends[op.first + i].map(|m| m as usize);
+            let [k, z, theta] = [0, 1, 2].map(|k| coef[op.coef + k * op.n + i]);
+            let force = ca_core::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
+            all[b] += force;
+            all[a] -= force;
+        }
+    }
+    all
 }
 
 /// Nodes and weights under a moving point.

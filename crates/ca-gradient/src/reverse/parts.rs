@@ -14,6 +14,9 @@ use ca_core::op::{Integrate, Law, Op, SolveStage};
 pub struct Parts {
     /// linear links whose forces are summed, as indices into [`Scene::forces`], each with what its law is made of
     pub linear: Vec<(usize, Basis)>,
+    /// linear links that are solved for with the motion to come, as indices into [`Scene::forces`], and the passes that do
+    pub implicit: Vec<usize>,
+    pub solves: Vec<usize>,
     /// linear links of rows that integrate, as indices into [`Scene::moves`]
     pub rows: Vec<(usize, Basis)>,
     /// links one by one
@@ -61,6 +64,11 @@ impl Basis {
         let c: Vec<f64> = (0..law.coefs).map(|k| 0.75 + 0.5 * k as f64).collect();
         let [by_e, by_w] = basis.slopes(|k| c[k]);
         (force(&c, 0.625, -0.375) == 0.625 * by_e - 0.375 * by_w).then_some(basis)
+    }
+
+    /// That of what an implicit link has at the tick; its third coefficient counts with the motion to come.
+    pub fn implicit() -> Basis {
+        Basis(vec![[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
     }
 
     /// The slopes of a link against elongation and its change, from its coefficients.
@@ -112,6 +120,8 @@ impl Parts {
                 .chain(scene.layout.modal.iter().map(|p| p.mat))
                 .map(|m| m as usize)
                 .collect(),
+            implicit: Vec::new(),
+            solves: Vec::new(),
             sets: Vec::new(),
             driven: Vec::new(),
             hears: scene.layout.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
@@ -128,12 +138,14 @@ impl Parts {
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
-                if !matches!(op.name, "ENF" | "weight" | "TGR out" | "points back" | "modes") {
-                    return Err(pass(op));
+                match op.name {
+                    "ENF" | "weight" | "TGR out" | "points back" | "modes" => {}
+                    "implicit" | "implicit pairs" => parts.solves.push(k),
+                    _ => return Err(pass(op)),
                 }
                 continue;
             };
-            if law.implicit || op.form.set && op.form.tap {
+            if op.form.set && op.form.tap {
                 return Err(pass(op));
             }
             if op.form.set {
@@ -148,6 +160,15 @@ impl Parts {
             let at_points = (0..op.n).any(|i| slots(scene, op, i).iter().any(between));
             // and what is linear is its own transpose only while it does not change
             let changes = coefficients(op).is_some_and(|r| parts.driven.iter().any(|c| r.contains(c)));
+            if law.implicit {
+                // what holds a port, or is heard, is completed behind the solution
+                let known = scene.layout.implicit.as_ref().is_some_and(|i| i.forces.is_empty());
+                if !known || changes || at_points || op.form.tap || op.form.measure != MeasureKind::Line {
+                    return Err(pass(op));
+                }
+                parts.implicit.push(k);
+                continue;
+            }
             if let Some(basis) = basis(op).filter(|_| !at_points && !changes) {
                 parts.linear.push((k, basis));
                 continue;
@@ -181,6 +202,9 @@ impl Parts {
         parts.summed = sums.chain(parts.last.iter().flat_map(|l| l.slots.iter().copied())).collect();
         parts.summed.sort_unstable();
         parts.summed.dedup();
+        if let (Some(k), false) = (parts.implicit.first(), parts.summed.is_empty() && scene.layout.modal.is_empty()) {
+            return Err(pass(&scene.forces[*k]));
+        }
         // of rows that integrate, no such sum is there to be heard
         for (k, _) in &parts.rows {
             let op = &scene.moves[*k];

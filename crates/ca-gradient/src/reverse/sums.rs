@@ -26,6 +26,8 @@ pub struct Links {
     ends: Vec<[u32; 2]>,
     /// sums of φe and φw, where a coefficient is to have its due
     pub products: [Vec<f64>; 2],
+    /// of implicit links, sums of φ with the change of elongation in the tick that follows
+    pub ahead: Vec<f64>,
     /// sums of φ, where a constant elongation is
     pub alone: Vec<f64>,
 }
@@ -57,8 +59,8 @@ impl Links {
     }
 
     fn new(basis: &Basis, n: usize, rows: Vec<(usize, [usize; 2])>, (coef, first): (usize, usize)) -> Links {
-        let (products, alone) = Default::default();
-        Links { basis: basis.clone(), rows, coef, first, n, ends: Vec::new(), products, alone }
+        let (products, ahead, alone) = Default::default();
+        Links { basis: basis.clone(), rows, coef, first, n, ends: Vec::new(), products, ahead, alone }
     }
 
     /// Sums what some parameter changes.
@@ -68,6 +70,11 @@ impl Links {
         self.alone = vec![0.0; n(elongations)];
     }
 
+    /// The same of links that are solved for.
+    pub fn want_ahead(&mut self) {
+        self.ahead = vec![0.0; self.products[0].len()];
+    }
+
     /// True where nothing is summed.
     pub fn is_idle(&self) -> bool {
         self.products[0].is_empty() && self.alone.is_empty()
@@ -75,15 +82,21 @@ impl Links {
 
     /// Adds a tick: `owed` to the force on each slot, places and motions at it.
     #[inline(always)]
-    fn add(&mut self, owed: &[f64], x: &[f64], d: &[f64], e0: &[f64]) {
+    fn add(&mut self, owed: &[f64], x: &[f64], [d, next]: [&[f64]; 2], e0: &[f64]) {
         let e0 = &e0[self.first..][..self.n];
         let [by_e, by_w] = &mut self.products;
         let (products, alone) = (!by_e.is_empty(), !self.alone.is_empty());
+        let ahead = &mut self.ahead;
         let mut from = 0;
         for (n, [a, b]) in &self.rows {
             let (a, b, some) = (*a..*a + n, *b..*b + n, from..from + n);
             let phi = [&owed[a.clone()], &owed[b.clone()]];
             if products {
+                if !ahead.is_empty() {
+                    for (i, sum) in ahead[some.clone()].iter_mut().enumerate() {
+                        *sum += (phi[0][i] - phi[1][i]) * (next[b.start + i] - next[a.start + i]);
+                    }
+                }
                 let ends = [&x[a.clone()], &x[b.clone()], &d[a], &d[b]];
                 row(phi, ends, &e0[some.clone()], [&mut by_e[some.clone()], &mut by_w[some.clone()]]);
             }
@@ -98,6 +111,9 @@ impl Links {
             if products {
                 by_e[i] += phi * (x[b] - x[a] + e0[i]);
                 by_w[i] += phi * (d[b] - d[a]);
+                if let Some(sum) = ahead.get_mut(i) {
+                    *sum += phi * (next[b] - next[a]);
+                }
             }
             if alone {
                 self.alone[i] += phi;
@@ -214,7 +230,7 @@ impl pulp::WithSimd for Tick<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         for l in self.links {
-            l.add(self.owed, self.x, self.d, self.e0);
+            l.add(self.owed, self.x, [self.d, self.next], self.e0);
         }
         if let Some(m) = self.masses {
             m.add(self.owed, self.d, self.x, self.next);

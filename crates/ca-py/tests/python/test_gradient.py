@@ -143,7 +143,7 @@ def test_both_modes_find_the_same(text: str) -> None:
 
 
 def test_what_reverse_mode_does_not_know_goes_forward() -> None:
-    scene = ca.parse('[model]\nmethod = "implicit"\n[SOL]\nwall = {}\n[MAS]\na = { m = "1 g", dx0 = "1 mm" }\n[RES]\ns = { between = ["wall", "a"], k = "8 kN/m" }\n[SOX]\nout = { from = "a" }\n')
+    scene = ca.parse('[model]\nmethod = "pefrl"\n[SOL]\nwall = {}\n[MAS]\na = { m = "1 g", dx0 = "1 mm" }\n[RES]\ns = { between = ["wall", "a"], k = "8 kN/m" }\n[SOX]\nout = { from = "a" }\n')
     assert scene.gradient(["s.k"], cotangent=np.ones(99)).mode == "forward"
     with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass .* ask for forward mode"):
         scene.gradient(["s.k"], cotangent=np.ones(99), mode="reverse")
