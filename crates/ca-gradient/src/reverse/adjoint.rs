@@ -16,20 +16,10 @@ use crate::reverse::parts::{Basis, Link, Parts};
 use crate::reverse::record::Row;
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Tick};
+use crate::reverse::taps::HeardLink;
 use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
-
-/// A linear link whose force is heard.
-struct HeardLink {
-    tap: usize,
-    ends: [usize; 2],
-    slopes: [f64; 2],
-    /// its coefficients, each with what its law is made of
-    coefs: Vec<(usize, [f64; 2])>,
-    /// numbers of its constant elongation, in the scene and in the order of the derivatives
-    e0: (f64, usize),
-}
 
 /// A scene on its way back.
 pub struct Adjoint<'a> {
@@ -131,7 +121,7 @@ impl<'a> Adjoint<'a> {
             inputs: vec![0.0; scene.inputs.len()],
             driven: vec![0.0; parts.driven.len()],
             taps: vec![0.0; scene.layout.n_tap],
-            heard: Vec::new(),
+            heard: HeardLink::all(scene, parts, place),
             layout,
             a,
             outputs,
@@ -139,44 +129,8 @@ impl<'a> Adjoint<'a> {
             parts,
             place,
         };
-        adjoint.heard = adjoint.heard_links();
         adjoint.moved = adjoint.motions();
         Ok(adjoint)
-    }
-
-    /// Linear links whose forces are heard.
-    fn heard_links(&self) -> Vec<HeardLink> {
-        let (scene, place) = (self.scene, self.place);
-        let coef = &scene.initial.coef;
-        let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| HeardLink {
-            tap,
-            ends: ends.map(|m| m as usize),
-            slopes: basis.slopes(|k| coef[at(k)]),
-            coefs: basis.0.iter().enumerate().map(|(k, b)| (number(place.initial.coef[at(k)]), *b)).collect(),
-            e0: (e0.0, number(e0.1)),
-        };
-        let mut all = Vec::new();
-        for (k, basis) in &self.parts.linear {
-            let op = &scene.forces[*k];
-            if op.form.tap {
-                all.extend((0..op.n).map(|i| {
-                    let e0 = (scene.layout.e0[op.first + i], place.layout.e0[op.first + i]);
-                    let at = |k: usize| op.coef + k * op.n + i;
-                    of(basis, op.tap + i, scene.layout.ends[op.first + i], &at, e0)
-                }));
-            }
-        }
-        for (h, other) in scene.layout.heard.iter().zip(&place.layout.heard) {
-            let row = |(k, basis): &'a (usize, Basis)| {
-                let op = &scene.moves[*k];
-                let end = op.coef + 2 * basis.0.len() * op.n;
-                (op.coef..end).contains(&(h.coef as usize)).then_some(basis)
-            };
-            let Some(basis) = self.parts.rows.iter().find_map(row) else { continue };
-            let at = |k: usize| h.coef as usize + k * h.step as usize;
-            all.push(of(basis, h.tap as usize, h.ends, &at, (h.e0, other.e0)));
-        }
-        all
     }
 
     /// Slots to whose motion something may be owed by itself.
@@ -432,19 +386,4 @@ fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
 fn parts_of(cell: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
     let (nodes, weights) = cell.split_at(4);
     nodes.iter().zip(weights).filter(|(_, w)| **w != 0.0).map(|(node, w)| (*node as usize, *w))
-}
-
-impl HeardLink {
-    fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], owed: &mut [f64]) {
-        let ([p, q], [by_e, by_w]) = (self.ends, self.slopes);
-        let (e, w) = (row.x[q] - row.x[p] + self.e0.0, row.d[q] - row.d[p]);
-        for (m, sign) in [(q, phi), (p, -phi)] {
-            a.f[m] += sign * by_e;
-            now[m] += sign * by_w;
-        }
-        for (at, [of_e, of_w]) in &self.coefs {
-            owed[*at] += phi * (of_e * e + of_w * w);
-        }
-        owed[self.e0.1] += phi * by_e;
-    }
 }

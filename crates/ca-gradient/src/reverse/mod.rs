@@ -16,6 +16,7 @@ mod parts;
 mod record;
 mod single;
 mod sums;
+mod taps;
 
 use crate::difference::{Start, derivatives};
 use crate::forward::{BLOCK, diverged};

@@ -1,0 +1,75 @@
+//! Taps: linear links whose forces are heard.
+//!
+//! Decides to go back over what is heard of them apart from what moves masses: their passes, which are their own transposes, know of
+//! the latter alone.
+
+use crate::reverse::number;
+use crate::reverse::parts::{Basis, Parts};
+use crate::reverse::record::Row;
+use ca_core::op::Band;
+use ca_core::{Scene, State};
+
+/// A linear link whose force is heard.
+pub struct HeardLink {
+    /// index into the taps
+    pub tap: usize,
+    /// slots of its ends
+    pub ends: [usize; 2],
+    slopes: [f64; 2],
+    /// its coefficients, each with what its law is made of
+    coefs: Vec<(usize, [f64; 2])>,
+    /// numbers of its constant elongation, in the scene and in the order of the derivatives
+    e0: (f64, usize),
+}
+
+impl HeardLink {
+    /// All of a scene; `place` as for [`Adjoint`](super::adjoint::Adjoint).
+    pub fn all(scene: &Scene, parts: &Parts, place: &Scene) -> Vec<HeardLink> {
+        let coef = &scene.initial.coef;
+        let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| HeardLink {
+            tap,
+            ends: ends.map(|m| m as usize),
+            slopes: basis.slopes(|k| coef[at(k)]),
+            coefs: basis.0.iter().enumerate().map(|(k, b)| (number(place.initial.coef[at(k)]), *b)).collect(),
+            e0: (e0.0, number(e0.1)),
+        };
+        let mut all = Vec::new();
+        for (k, basis) in &parts.linear {
+            let op = &scene.forces[*k];
+            if op.form.tap {
+                all.extend((0..op.n).map(|i| {
+                    let e0 = (scene.layout.e0[op.first + i], place.layout.e0[op.first + i]);
+                    let at = |k: usize| op.coef + k * op.n + i;
+                    of(basis, op.tap + i, scene.layout.ends[op.first + i], &at, e0)
+                }));
+            }
+        }
+        for (h, other) in scene.layout.heard.iter().zip(&place.layout.heard) {
+            let of_row = |(k, _): &&(usize, Basis)| {
+                let op = &scene.moves[*k];
+                // links across a row have their numbers behind those along
+                let passes = if op.form.band == Band::None { 1 } else { 2 };
+                let coefs = op.law.map_or(0, |law| law.coefs);
+                (op.coef..op.coef + passes * coefs * op.n).contains(&(h.coef as usize))
+            };
+            let Some((_, basis)) = parts.rows.iter().find(of_row) else { continue };
+            let at = |k: usize| h.coef as usize + k * h.step as usize;
+            all.push(of(basis, h.tap as usize, h.ends, &at, (h.e0, other.e0)));
+        }
+        all
+    }
+
+    /// Goes back over it in one tick, `phi` being owed to its force.
+    pub fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], owed: &mut [f64]) {
+        let ([p, q], [by_e, by_w]) = (self.ends, self.slopes);
+        let (e, w) = (row.x[q] - row.x[p] + self.e0.0, row.d[q] - row.d[p]);
+        for (m, sign) in [(q, phi), (p, -phi)] {
+            a.f[m] += sign * by_e;
+            now[m] += sign * by_w;
+        }
+        for (at, [of_e, of_w]) in &self.coefs {
+            owed[*at] += phi * (of_e * e + of_w * w);
+        }
+        owed[self.e0.1] += phi * by_e;
+    }
+}
