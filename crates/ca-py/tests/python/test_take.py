@@ -84,6 +84,24 @@ def test_a_take_is_a_gesture(tmp_path: Path) -> None:
     assert np.array_equal(again.audio, t.audio)
 
 
+def test_a_take_has_its_sensitivities(tmp_path: Path) -> None:
+    """By a parameter, and by where the hand was at the end of each gesture frame: against differences of renders."""
+    t = ca.record(keyed(), tmp_path / "t.mcap", 0.3, gesture=PRESS)
+    scene, rng = t.scene(), np.random.default_rng(2)
+    weights = rng.normal(size=(round(0.3 * t.rate), 2))
+    g = scene.gradient(["low.m"], cotangent=weights, gesture=t.gesture)
+    assert g.mode == "reverse" and g.inputs["key"].shape == (len(weights),)
+
+    def heard(m: float) -> float:
+        return float((scene.replace({"low.m": m}).render(0.3, gesture=t.gesture, dtype="float64").audio * weights).sum())
+
+    m = float(g.values[0])
+    assert (heard(m * 1.0001) - heard(m * 0.9999)) / (2e-4 * m) == pytest.approx(g["low.m"], rel=1e-4)
+    moved = np.flatnonzero(g.inputs["key"])
+    ratio = round(t.rate / t.gesture_rate)
+    assert len(moved) > 50 and np.all(moved % ratio == 0)
+
+
 def test_a_take_of_a_changed_scene_is_of_that_scene(tmp_path: Path) -> None:
     built = ca.Model().add("TGR", "key", device="tgr12", dof=0, x="-6 mm").add("SOL", "bed").add("MAS", "bob", m="1 g", dx0="1 mm")
     built.add("RES", "spring", between=["bob", "bed"], k=400).add("BUT", "hit", between=["key", "bed"], k=2000, z=1)
