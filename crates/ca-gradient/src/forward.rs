@@ -323,8 +323,15 @@ pub(crate) fn output(
 
 /// How many samples a cotangent has.
 pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
-    if cotangent.is_empty() || !cotangent.len().is_multiple_of(outputs) {
-        let what = format!("a cotangent has one number or more for each of {outputs} outputs, not {}", cotangent.len());
+    if let Some(at) = cotangent.iter().position(|v| !v.is_finite()) {
+        let what = format!("the cotangent of sample {} is {}, and not a number to go by", at / outputs, cotangent[at]);
+        return Err(Error::refused(what));
+    }
+    if cotangent.is_empty() {
+        return Err(Error::refused("the cotangent is empty: the scene has no outputs, or it is played for no time"));
+    }
+    if !cotangent.len().is_multiple_of(outputs) {
+        let what = format!("a cotangent has a number for each of {outputs} outputs, not {} in all", cotangent.len());
         return Err(Error::refused(what));
     }
     Ok(cotangent.len() / outputs)

@@ -162,9 +162,8 @@ impl<'a> Adjoint<'a> {
         }
         let points = &self.scene.layout.moving_points;
         let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
-        for (m, cell) in cells() {
-            a.x[m] = parts_of(cell).map(|(node, weight)| weight * a.x[node]).sum();
-        }
+        // more is owed to these below, and only then it is known what to a point
+        cells().for_each(|(m, _)| a.x[m] = 0.0);
         // what is heard
         let (taps, summed) = (&mut self.taps, &self.parts.summed);
         self.before.clear();
@@ -203,6 +202,10 @@ impl<'a> Adjoint<'a> {
         for (later, m) in self.sums.iter_mut().zip(summed) {
             way.a.d[*m] = way.a.x[*m] - *later;
             *later = way.a.x[*m];
+        }
+        for (m, cell) in cells() {
+            let parts: f64 = parts_of(cell).map(|(node, weight)| weight * way.a.x[node]).sum();
+            way.a.x[m] += parts;
         }
         self.links.iter_mut().for_each(|s| s.back(&row, None, &mut way));
         self.sets.iter_mut().for_each(|s| s.back(self.scene, &row, &mut way));

@@ -148,7 +148,7 @@ impl Reverse {
     }
 
     /// Names of the ports by which is differentiated too: those that say of no point where on a string or a skin it is. What a device is
-    /// given counts in the samples in which its frames end; with a `latency` there are no derivatives by it.
+    /// given counts in the samples in which its frames end, and in the last one of a sound that ends within a frame; with a `latency` there are no derivatives by it.
     pub fn ports(&self) -> impl Iterator<Item = &str> {
         self.ports.iter().map(|i| self.scene.inputs[*i].name.as_str())
     }
@@ -270,15 +270,16 @@ impl Reverse {
                 let next = record.row(i + 1).d;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
                 back.back(tick, record.row(i), next, owed);
+                // a frame that the sound cuts short ends with its last sample
+                let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
                 self.drive(tick, &given, &mut back, |sample, input, owed| {
-                    if let Some(k) = self.ports.iter().position(|i| *i == input).filter(|_| sample < frames) {
-                        by_inputs[sample * ports + k] += owed;
+                    if let Some(k) = self.ports.iter().position(|i| *i == input) {
+                        by_inputs[at(sample, k)] += owed;
                     }
                 });
                 for (k, i) in self.ports.iter().enumerate() {
-                    // a gesture may end within a frame
-                    for (given, part) in self.given_at(*i, tick).into_iter().filter(|g| g.0 < frames) {
-                        by_inputs[given * ports + k] += part * back.inputs[*i];
+                    for (sample, part) in self.given_at(*i, tick) {
+                        by_inputs[at(sample, k)] += part * back.inputs[*i];
                     }
                 }
             }

@@ -44,7 +44,7 @@ const SCENES: &[(&str, &str)] = &[
     ),
     (
         "a skin in lanes, touched between its nodes",
-        "[MESH]\nskin = { nx = 9, ny = 10, f = '200 Hz', t60 = '0.5 s', m = '9 g' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nhit = { between = ['ball', 'skin@0.37,0.61'], k = '1e6 N/m^1.5', h = '0.2 s/m' }\n[REF]\nrag = { between = ['skin[7]', 'skin@0.37,0.61'], k = '500 N/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'skin@0.37,0.61', dc = '30 Hz' }\n",
+        "[MESH]\nskin = { nx = 9, ny = 10, f = '200 Hz', t60 = '0.5 s', m = '9 g' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[HRZ]\nhit = { between = ['ball', 'skin@0.37,0.61'], k = '1e6 N/m^1.5', h = '0.2 s/m' }\n[REF]\nrag = { between = ['skin[7]', 'skin@0.37,0.61'], k = '500 N/m', z = '0.1 N s/m' }\n[SOF]\nbeside = { from = 'skin[3,6]', gain = 0.2 }\n[SOX]\nout = { from = 'skin@0.37,0.61', dc = '30 Hz' }\n",
     ),
     (
         "a low-pass, and weight",
@@ -112,7 +112,7 @@ fn by_what_is_given(text: &str, names: &[&str]) {
     let found = reverse.gradient(&heard, Some(&own), &mut || true).expect("a gradient");
     assert_eq!(found.inputs.len(), n * ticks);
     let loss = |heard: &[f64]| 0.5 * heard.iter().map(|y| y * y).sum::<f64>();
-    for k in [0, 1, 2, 16, 32, 150, 400, 576, 592, 598] {
+    for k in [0, 1, 2, 16, 32, 150, 400, 576, 592, 598, 599] {
         for (port, name) in names.iter().enumerate() {
             let h = if *name == "key" { 1e-7 } else { 1e-4 };
             let moved = |h: f64| loss(&play(&gesture(Some((port, k, h)))));
@@ -121,7 +121,8 @@ fn by_what_is_given(text: &str, names: &[&str]) {
                 (difference - by).abs() <= 1e-6 * by.abs() + 1e-12 * loss(&heard) / h,
                 "{k} {port}: {difference:e} {by:e}"
             );
-            assert!(by != 0.0 || k % frame != 0, "{k} {port}");
+            // what is given in the last sample is heard in that of a frame alone, which it ends
+            assert!(by != 0.0 || k % frame != 0 || k == 599, "{k} {port}");
         }
     }
 }

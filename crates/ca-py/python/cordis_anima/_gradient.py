@@ -61,7 +61,7 @@ class Gradient:
         values: their values (parameters).
         units: their units, of SI; empty for plain numbers.
         inputs: derivatives by what each port is given in each sample (frames), per m or N, by its name; of a device in the samples in
-            which its frames end. None of a port that says where a point is, or of a device with a `latency`, and none in forward
+            which its frames end, and in the last one. None of a port that says where a point is, or of a device with a `latency`, and none in forward
             mode.
         mode: which way it was found, ``"reverse"`` or ``"forward"``.
     """
@@ -155,8 +155,9 @@ class Derivatives:
     ) -> Gradient:
         """The gradient of a loss of its sound, by parameters and by what ports are given, without memory for the derivatives of samples.
 
-        In reverse mode it takes about as long as eight renders, however many parameters there are; in forward mode as long as
-        some tens for each seven of them. Both find the same, to rounding.
+        In reverse mode it takes as long as four to twelve renders of most instruments, however many parameters there are, and up to
+        fifty where nearly all links are not linear (`tam_tam`); besides, each parameter takes a few compilations of the model. In
+        forward mode it takes some tens of renders for each seven parameters. Both find the same, to rounding.
 
         Args:
             wrt: as for `tangents`; none where only `inputs` are wanted.
@@ -195,6 +196,10 @@ class Derivatives:
             if not isinstance(found, tuple) or len(found) != 2:
                 raise UsageError(f"a loss gives two things, its value and its derivatives by each sample, not {type(found).__name__}")
             value, of = found
+            try:
+                value = float(value)
+            except (TypeError, ValueError):
+                raise UsageError(f"the value of a loss is a number, not {type(value).__name__}") from None
             given = _cotangent(of, audio.shape)
         elif cotangent is not None:
             given = _cotangent(cotangent, None)
@@ -203,12 +208,18 @@ class Derivatives:
         names, values, units = _about(way)
         inputs: dict[str, Floats] = {}
         if isinstance(way, _core.Reverse):
-            slopes, all = way.gradient(given, driven)
-            inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
-        else:
+            try:
+                slopes, all = way.gradient(given, driven)
+                inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
+            except UsageError as e:
+                # a port may be under way at load, which is known with the gesture
+                if mode == "reverse" or not names or not str(e).startswith("no reverse mode"):
+                    raise
+                way = self._forward(wrt)
+        if isinstance(way, _core.Forward):
             slopes = way.gradient(given, driven)
         return Gradient(
-            None if value is None else float(value),
+            value,
             gradient=slopes,
             wrt=names,
             values=values,
@@ -225,7 +236,7 @@ class Derivatives:
                 if names or way.ports:
                     return way
             except UsageError:
-                if mode == "reverse":
+                if mode == "reverse" or not names:
                     raise
         # without names there is nothing that forward mode could find
         return self._compiled.forward(named(names))

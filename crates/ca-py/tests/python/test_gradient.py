@@ -147,8 +147,31 @@ def test_what_reverse_mode_does_not_know_goes_forward() -> None:
     assert scene.gradient(["s.k"], cotangent=np.ones(99)).mode == "forward"
     with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass .* ask for forward mode"):
         scene.gradient(["s.k"], cotangent=np.ones(99), mode="reverse")
+    # nothing but what ports are given was asked for
+    with pytest.raises(ca.UsageError, match="no reverse mode"):
+        scene.gradient(cotangent=np.ones(99))
     with pytest.raises(ca.UsageError, match="`auto`, `reverse` or `forward`"):
         scene.gradient(["s.k"], cotangent=np.ones(99), mode="back")  # type: ignore[arg-type]
+
+
+def test_a_port_under_way_at_load_goes_forward() -> None:
+    text = '[MAS]\na = { m = "1 g", v = "0.1 m/s" }\n[ENX]\ne = {}\n[BUT]\nl = { between = ["e", "a"], k = "1 kN/m", method = "stable" }\n[SOX]\no = { from = "a" }\n'
+    scene, hand = ca.parse(text), {"e": np.linspace(0, 1e-3, 100)}
+    g = scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand)
+    assert g.mode == "forward" and g["a.m"] != 0
+    with pytest.raises(ca.UsageError, match="part of the start"):
+        scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand, mode="reverse")
+    assert scene.gradient(["a.m"], cotangent=np.ones(100)).mode == "reverse"
+
+
+def test_cotangents_and_losses_are_finite_numbers() -> None:
+    scene, bad = ca.parse(BAR), np.ones((9, 2))
+    bad[4, 1] = np.nan
+    with pytest.raises(ca.UsageError, match="the cotangent of sample 4 is NaN"):
+        scene.gradient(["bar.f"], cotangent=bad)
+    for value in ("much", None, np.ones(3)):
+        with pytest.raises(ca.UsageError, match="the value of a loss is a number"):
+            scene.gradient(["bar.f"], loss=lambda y: (value, y), seconds=0.01)  # type: ignore[arg-type, return-value]
 
 
 def test_a_gesture_has_a_gradient() -> None:
