@@ -177,7 +177,7 @@ class Derivatives:
         >>> g.loss > 0, g["hammer.v"] > 0
         (True, True)
         >>> bar = ca.parse("[CEL]\\nbar = { m = '1 g', f = '220 Hz', t60 = '1 s' }\\n[ENF]\\npush = { to = 'bar' }\\n[SOX]\\nout = { from = 'bar' }\\n")
-        >>> g = bar.gradient(cotangent=np.ones(480), gesture={"push": [[0, 0], [0.01, "1 N"]]})
+        >>> g = bar.gradient(cotangent=np.ones(480), gesture={"push": [[0, 0], [0.01, 1.0]]})
         >>> g.inputs["push"].shape, g.mode
         ((480,), 'reverse')
         """
