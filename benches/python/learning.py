@@ -99,7 +99,7 @@ def main() -> None:
             *(f"| {name} | {took:.0f} | {cents:.2g} | {percent:.2g} |" for name, took, cents, percent in rows),
             "",
             f"{rows[1][1] / rows[0][1]:.1f} times as fast. The tensors are written for this one string; the engine's function takes any scene, with",
-            "contacts and friction, and its memory does not grow with the length of the sound.",
+            "contacts and friction, and its memory grows with the root of the length of the sound.",
             "",
         ]
     )

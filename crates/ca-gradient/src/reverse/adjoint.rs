@@ -11,8 +11,7 @@
 //! ([`Parts::summed`]): there more is owed while links are run.
 
 use crate::reverse::heard::{Outputs, Owed};
-use crate::reverse::number;
-use crate::reverse::parts::{Basis, Link, Parts};
+use crate::reverse::parts::{Basis, Link, Parts, number};
 use crate::reverse::record::Row;
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Tick};

@@ -3,6 +3,7 @@
 //! Decides for a scene of the ends and this link, whose state is written anew for each: so laws, measures and methods are
 //! those of the tick, and none has a derivative written by hand.
 
+use ca_core::Scene;
 use ca_core::op::{MeasureKind, Op, SolveStage};
 use ca_core_dual::State;
 use ca_core_dual::numeric::{Aligned, Dual, TANGENTS};
@@ -284,4 +285,16 @@ impl Alone {
             _ => self.layout.reach.as_flattened_mut().get_mut(at - sh.reach()),
         }
     }
+}
+
+/// The slots of link `i` of a pass, port by port, first ends first.
+pub fn slots(scene: &Scene, op: &Op, i: usize) -> Vec<usize> {
+    let Some(shape) = Shape::of(op) else { return Vec::new() };
+    let l = &scene.layout;
+    let ends = [Some(l.ends[op.first + i]), op.ports.onto.map(|o| l.onto[o.1 + i])];
+    let port = |(p, ends): (&Port, [u32; 2])| {
+        let axes = p.axes;
+        ends.into_iter().flat_map(move |m| m as usize..m as usize + axes)
+    };
+    shape.ports.iter().zip(ends.into_iter().flatten()).flat_map(port).collect()
 }

@@ -32,7 +32,7 @@ use ca_io::perform::Performance;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog};
 use heard::Outputs;
-use parts::Parts;
+use parts::{Parts, number};
 use record::Record;
 
 /// A scene that is gone back over.
@@ -61,11 +61,6 @@ fn ports(scene: &Scene) -> Vec<usize> {
     };
     let late = |i: usize| scene.inputs[i].role == InputRole::Device && l.crossing.latency > 0;
     (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
-}
-
-/// The number that a place of an array of [`Reverse::place`] has.
-fn number(v: f64) -> usize {
-    v as usize
 }
 
 /// What a loss owes to what a scene is given.

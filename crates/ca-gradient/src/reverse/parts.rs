@@ -5,7 +5,7 @@
 //! alone. Those whose force depends on the sum of others come last in a tick, and first on the way back.
 //! What is neither is refused, by the name of its pass; forward mode has no such bounds.
 
-use crate::reverse::single::slots;
+use crate::reverse::alone::slots;
 use ca_core::Scene;
 use ca_core::op::layout::{MeasureKind, Tap};
 use ca_core::op::{Integrate, Law, Op, SolveStage};
@@ -216,4 +216,9 @@ impl Parts {
         }
         Ok(parts)
     }
+}
+
+/// The number that a place of an array has, in a scene whose numbers are replaced by their places among them.
+pub fn number(v: f64) -> usize {
+    v as usize
 }

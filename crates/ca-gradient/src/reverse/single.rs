@@ -1,8 +1,7 @@
 //! Single: links that are run alone, on the way back over a tick.
 
-use crate::reverse::alone::{Alone, Owed, Port, Shape};
-use crate::reverse::number;
-use crate::reverse::parts::Link;
+use crate::reverse::alone::{Alone, Owed, Port};
+use crate::reverse::parts::{Link, number};
 use crate::reverse::record::Row;
 use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State};
@@ -279,16 +278,4 @@ impl Pairs {
     pub fn slots<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = usize> + 'a {
         scene.layout.pair_sets[self.set].members.iter().flat_map(|m| *m as usize..*m as usize + 3)
     }
-}
-
-/// The slots of link `i` of a pass, port by port, first ends first.
-pub fn slots(scene: &Scene, op: &Op, i: usize) -> Vec<usize> {
-    let Some(shape) = Shape::of(op) else { return Vec::new() };
-    let l = &scene.layout;
-    let ends = [Some(l.ends[op.first + i]), op.ports.onto.map(|o| l.onto[o.1 + i])];
-    let port = |(p, ends): (&Port, [u32; 2])| {
-        let axes = p.axes;
-        ends.into_iter().flat_map(move |m| m as usize..m as usize + axes)
-    };
-    shape.ports.iter().zip(ends.into_iter().flatten()).flat_map(port).collect()
 }
