@@ -39,6 +39,22 @@ fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + 
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Reverse(Arc<ca_gradient::Reverse>);
 
+/// Parameters as name, value and unit.
+fn about(parameters: &[ca_gradient::Parameter]) -> Vec<(&str, f64, &str)> {
+    parameters.iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
+}
+
+/// A sound as Python has it (frames, channels).
+fn sound(
+    py: Python<'_>,
+    channels: usize,
+    play: impl FnOnce(GoesOn) -> Result<Vec<f64>, Error> + Send,
+) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let all = waiting(py, play)?;
+    let frames = all.len() / channels.max(1);
+    table(py, all, frames, channels)
+}
+
 /// A cotangent as the engine takes it (frames x channels).
 fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> PyResult<Vec<f64>> {
     if cotangent.shape()[1] != channels {
@@ -67,7 +83,7 @@ impl Forward {
     /// By what: name, value, unit.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, &str)> {
-        self.0.parameters().iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
+        about(self.0.parameters())
     }
 
     /// The sound, in double precision (frames, channels).
@@ -78,10 +94,7 @@ impl Forward {
         gesture: Option<&Gesture>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let gesture = gesture.map(|g| &g.gesture);
-        let all = waiting(py, |goes_on| self.0.output(seconds, gesture, goes_on))?;
-        let channels = self.0.outputs();
-        let frames = all.len() / channels.max(1);
-        table(py, all, frames, channels)
+        sound(py, self.0.outputs(), |goes_on| self.0.output(seconds, gesture, goes_on))
     }
 
     /// The sound, and its derivatives (frames, channels, parameters).
@@ -127,7 +140,12 @@ impl Reverse {
     /// By what: name, value, unit.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, &str)> {
-        self.0.parameters().iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
+        about(self.0.parameters())
+    }
+
+    /// Whether it can go back over a gesture.
+    fn knows(&self, py: Python, gesture: Option<&Gesture>) -> PyResult<bool> {
+        self.0.knows(gesture.map(|g| &g.gesture)).map_err(|e| failure(py, e))
     }
 
     /// Names of the ports by which is differentiated too.
@@ -144,10 +162,7 @@ impl Reverse {
         gesture: Option<&Gesture>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let gesture = gesture.map(|g| &g.gesture);
-        let all = waiting(py, |goes_on| self.0.output(seconds, gesture, goes_on))?;
-        let channels = self.0.outputs();
-        let frames = all.len() / channels.max(1);
-        table(py, all, frames, channels)
+        sound(py, self.0.outputs(), |goes_on| self.0.output(seconds, gesture, goes_on))
     }
 
     /// The gradient of a loss from its cotangent (frames, channels), and its derivatives by what ports are given (frames, ports).

@@ -11,12 +11,11 @@
 //! ([`Parts::summed`]): there more is owed while links are run.
 
 use crate::reverse::heard::{Outputs, Owed};
-use crate::reverse::parts::{Basis, Link, Parts, number};
+use crate::reverse::parts::{Basis, Link, Parts, number, unknown};
 use crate::reverse::record::Row;
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Tick};
 use crate::reverse::taps::HeardLink;
-use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
 
@@ -27,7 +26,8 @@ pub struct Adjoint<'a> {
     /// that of the scene, without constant elongations
     layout: Layout,
     a: State,
-    outputs: Outputs,
+    /// what is heard
+    pub outputs: Outputs,
     links: Vec<Single>,
     sets: Vec<Pairs>,
     last: Vec<Single>,
@@ -93,10 +93,7 @@ impl<'a> Adjoint<'a> {
         let of_row = |(k, basis): &(usize, Basis)| Links::row(&scene.moves[*k], basis);
         let n = scene.layout.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
-        let no = |op: usize| {
-            let name = scene.forces[op].name;
-            format!("no reverse mode of this scene: it has the pass `{name}`; ask for forward mode")
-        };
+        let no = |op: usize| unknown(&scene.forces[op]);
         let single =
             |link: &Link| Single::new(scene, link, dual, place, &is_needed, &parts.driven).ok_or_else(|| no(link.op));
         let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
@@ -155,8 +152,8 @@ impl<'a> Adjoint<'a> {
         let (a, owed_to, place) = (&mut self.a, &mut self.owed, self.place);
         let [now, late] = &mut self.motion;
         // what goes by modes, and what stands between others, is given the forces of these in parts
-        let is = |name: &'static str| move |op: &&Op| op.name == name;
-        if let Some(op) = self.scene.reads.iter().find(is("modal ports")) {
+        if let Some([read, _]) = self.parts.modal {
+            let op = &self.scene.reads[read];
             (op.kernel)(op, &self.layout, a);
         }
         let points = &self.scene.layout.moving_points;
@@ -224,7 +221,8 @@ impl<'a> Adjoint<'a> {
             }
         }
         // what does not hang together with anything
-        for op in self.scene.summed().iter().filter(|op| op.name == "weight") {
+        for k in &self.parts.weights {
+            let op = &self.scene.forces[*k];
             for (k, m) in self.scene.layout.weighed[..op.n].iter().enumerate() {
                 owed_to[number(place.initial.coef[op.coef + k])] += a.x[*m as usize];
             }
@@ -262,7 +260,8 @@ impl<'a> Adjoint<'a> {
                 b.f[*m] += now[*m];
             }
         }
-        if let Some(op) = self.scene.summed().iter().find(is("modes")) {
+        if let Some([_, share]) = self.parts.modal {
+            let op = &self.scene.forces[share];
             for ((p, other), force) in self.scene.layout.modal.iter().zip(&place.layout.modal).zip(row.modal) {
                 let (m, first, n) = (p.mat as usize, p.first as usize, p.n as usize);
                 // at the first tick its motion is no difference of two places

@@ -31,8 +31,7 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog};
-use heard::Outputs;
-use parts::{Parts, number};
+use parts::{Parts, no, number};
 use record::Record;
 
 /// A scene that is gone back over.
@@ -156,6 +155,18 @@ impl Reverse {
         crate::forward::output(&self.scene, seconds, gesture, goes_on)
     }
 
+    /// True where a gesture can be gone back over: no port is under way at load that holds a link which goes by the sum of all forces.
+    ///
+    /// # Errors
+    /// [`Error::Gesture`] where the gesture does not fit the model.
+    pub fn knows(&self, gesture: Option<&Gesture>) -> Result<bool, Error> {
+        Ok(!self.starts_with_hands(&Performance::new(&self.scene, gesture)?))
+    }
+
+    fn starts_with_hands(&self, p: &Performance) -> bool {
+        self.scene.before.is_some() && (0..self.scene.inputs.len()).any(|i| p.hand(i).is_some())
+    }
+
     /// Back from coefficients that ports drive: at the end of a frame they are what the table says of the port as the frame begins, and on a
     /// straight line to it within. Tells how much is owed to an input in a sample of a gesture.
     fn drive(&self, tick: usize, given: &[f64], back: &mut Adjoint, mut to: impl FnMut(usize, usize, f64)) {
@@ -219,11 +230,8 @@ impl Reverse {
         let frames = crate::forward::frames_of(cotangent, outputs)?;
         let mut p = Performance::new(scene, gesture)?;
         crate::forward::known(scene, &p)?;
-        let hands = (0..scene.inputs.len()).any(|i| p.hand(i).is_some());
-        if hands && scene.before.is_some() {
-            return Err(Error::refused(
-                "no reverse mode: where a port is at load is part of the start; ask for forward mode",
-            ));
+        if self.starts_with_hands(&p) {
+            return Err(Error::Refused(no("where a port is at load is part of the start")));
         }
         let (inputs, stretch) = (scene.inputs.len(), (frames as f64).sqrt().ceil() as usize);
         let mut given = Vec::with_capacity(frames * inputs);
@@ -250,7 +258,7 @@ impl Reverse {
         }
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
-        let owed = Outputs::of(scene).before_low_pass(cotangent);
+        let owed = back.outputs.before_low_pass(cotangent);
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];
         let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);

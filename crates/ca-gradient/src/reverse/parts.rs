@@ -33,6 +33,10 @@ pub struct Parts {
     pub hears: Vec<Tap>,
     /// coefficients that ports drive, rising: indices into [`State::coef`](ca_core::State::coef)
     pub driven: Vec<usize>,
+    /// passes of weight, as indices into [`Scene::forces`]
+    pub weights: Vec<usize>,
+    /// those that give to modes and take from them, as indices into [`Scene::reads`] and [`Scene::forces`]
+    pub modal: Option<[usize; 2]>,
     /// slots of which the sum of the forces is heard, or a link of `last` goes by it
     pub summed: Vec<usize>,
 }
@@ -84,6 +88,16 @@ fn basis(op: &Op) -> Option<Basis> {
     (op.form.onto.is_none() && op.form.measure == MeasureKind::Line && !law.implicit).then(|| Basis::of(law))?
 }
 
+/// Why a scene has no reverse mode.
+pub fn no(what: &str) -> String {
+    format!("no reverse mode of this scene: {what}; ask for forward mode")
+}
+
+/// That it has a pass which reverse mode does not know.
+pub fn unknown(op: &Op) -> String {
+    no(&format!("it has the pass `{}`", op.name))
+}
+
 /// The coefficients of a pass of links; of a set one row.
 fn coefficients(op: &Op) -> Option<std::ops::Range<usize>> {
     let n = if op.form.set { 1 } else { op.n };
@@ -93,8 +107,7 @@ fn coefficients(op: &Op) -> Option<std::ops::Range<usize>> {
 impl Parts {
     /// The parts of a scene, or the pass that reverse mode does not know.
     pub fn of(scene: &Scene) -> Result<Parts, String> {
-        let no = |what: &str| format!("no reverse mode of this scene: {what}; ask for forward mode");
-        let pass = |op: &Op| no(&format!("it has the pass `{}`", op.name));
+        let pass = unknown;
         if scene.oversample() > 1 {
             return Err(no("its samples have several ticks"));
         }
@@ -120,6 +133,8 @@ impl Parts {
                 .chain(scene.layout.modal.iter().map(|p| p.mat))
                 .map(|m| m as usize)
                 .collect(),
+            weights: Vec::new(),
+            modal: None,
             implicit: Vec::new(),
             solves: Vec::new(),
             sets: Vec::new(),
@@ -139,7 +154,11 @@ impl Parts {
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
                 match op.name {
-                    "ENF" | "weight" | "TGR out" | "points back" | "modes" => {}
+                    "ENF" | "TGR out" | "points back" => {}
+                    "weight" => parts.weights.push(k),
+                    "modes" => {
+                        parts.modal = scene.reads.iter().position(|op| op.name == "modal ports").map(|read| [read, k]);
+                    }
                     "implicit" | "implicit pairs" => parts.solves.push(k),
                     _ => return Err(pass(op)),
                 }

@@ -4,6 +4,7 @@ use crate::reverse::parts::Parts;
 use ca_core::op::Op;
 use ca_core::op::layout::Tap;
 use ca_core::{Scene, State};
+use std::ops::Range;
 
 /// What a tick began with, after its ports were read.
 #[derive(Clone, Copy)]
@@ -31,8 +32,9 @@ pub struct Row<'a> {
 
 /// So many ticks one after the other, and the places and motions behind the last.
 pub struct Record {
-    /// how many numbers of each kind a tick has, in the order of [`Row`]
-    parts: [usize; 10],
+    /// where the numbers of each kind stand in those of a tick, in the order of [`Row`]
+    kinds: [Range<usize>; 10],
+    /// numbers of a tick
     width: usize,
     all: Vec<f64>,
 }
@@ -40,31 +42,38 @@ pub struct Record {
 impl Record {
     /// Room for so many ticks of a scene; with what its `filters` hold.
     pub fn new(scene: &Scene, parts: &Parts, ticks: usize, filters: bool) -> Record {
-        let n = scene.layout.n_mat;
+        let (l, start) = (&scene.layout, &scene.initial);
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
-        let (mem, lengths) = if remembers { (scene.initial.mem.len(), scene.initial.lengths.len()) } else { (0, 0) };
+        let (mem, lengths) = if remembers { (start.mem.len(), start.lengths.len()) } else { (0, 0) };
         let sums = parts.last.iter().map(|l| l.slots.len() + 1).sum();
-        let l = &scene.layout;
         let passed = if filters { 2 * l.blockers.len() } else { 0 };
-        let (heard, cells, modal) = (parts.hears.len(), 8 * l.moving_points.len(), l.modal.len());
-        let parts = [n, n, mem, lengths, sums, heard, cells, parts.driven.len(), modal, passed];
-        let width = parts.iter().sum();
-        Record { parts, width, all: vec![0.0; (ticks + 1) * width] }
+        let (cells, driven) = (8 * l.moving_points.len(), parts.driven.len());
+        let mut width = 0;
+        let kinds = [l.n_mat, l.n_mat, mem, lengths, sums, parts.hears.len(), cells, driven, l.modal.len(), passed]
+            .map(|n| {
+                width += n;
+                width - n..width
+            });
+        Record { kinds, width, all: vec![0.0; (ticks + 1) * width] }
     }
 
     /// What tick `k` of the stretch began with.
     pub fn row(&self, k: usize) -> Row<'_> {
-        let [n, _, mems, lengths, sums, hears, cells, driven, modal, _] = self.parts;
-        let (x, rest) = self.all[k * self.width..][..self.width].split_at(n);
-        let (d, rest) = rest.split_at(n);
-        let (mem, rest) = rest.split_at(mems);
-        let (lengths, rest) = rest.split_at(lengths);
-        let (sums, rest) = rest.split_at(sums);
-        let (heard, rest) = rest.split_at(hears);
-        let (cells, rest) = rest.split_at(cells);
-        let (driven, rest) = rest.split_at(driven);
-        let (modal, passed) = rest.split_at(modal);
-        Row { x, d, mem, lengths, sums, heard, cells, driven, modal, passed }
+        let row = &self.all[k * self.width..][..self.width];
+        let [x, d, mem, lengths, sums, heard, cells, driven, modal, passed] = &self.kinds;
+        let of = |kind: &Range<usize>| &row[kind.start..kind.end];
+        Row {
+            x: of(x),
+            d: of(d),
+            mem: of(mem),
+            lengths: of(lengths),
+            sums: of(sums),
+            heard: of(heard),
+            cells: of(cells),
+            driven: of(driven),
+            modal: of(modal),
+            passed: of(passed),
+        }
     }
 
     /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
@@ -78,32 +87,26 @@ impl Record {
         let (before, behind) = scene.summed().split_at(last);
         let heard = scene.writes.iter().find(|op| op.name == "heard links");
         let inputs = scene.inputs.len();
-        let [n, _, mems, lengths, sums, heard_forces, weights, drives, modes, _] = self.parts;
+        let [x, d, mem, lengths, sums, heard_forces, cells, driven, modal, passed] = self.kinds.clone();
         for k in 0..ticks {
             s.input.copy_from_slice(&given[k * inputs..][..inputs]);
             run(&scene.reads, s);
-            let (x, rest) = self.all[k * self.width..][..self.width].split_at_mut(n);
-            let (d, rest) = rest.split_at_mut(n);
-            let (mem, rest) = rest.split_at_mut(mems);
-            let (lengths, rest) = rest.split_at_mut(lengths);
-            let (sums, rest) = rest.split_at_mut(sums);
-            let (hears, rest) = rest.split_at_mut(heard_forces);
-            let (cells, rest) = rest.split_at_mut(weights);
-            let (driven, rest) = rest.split_at_mut(drives);
-            let (modal, passed) = rest.split_at_mut(modes);
-            x.copy_from_slice(&s.x);
-            d.copy_from_slice(&s.d);
-            mem.copy_from_slice(&s.mem[..mem.len()]);
-            lengths.copy_from_slice(&s.lengths[..lengths.len()]);
-            for (to, c) in driven.iter_mut().zip(&parts.driven) {
+            let row = &mut self.all[k * self.width..][..self.width];
+            row[x.clone()].copy_from_slice(&s.x);
+            row[d.clone()].copy_from_slice(&s.d);
+            row[mem.clone()].copy_from_slice(&s.mem[..mem.len()]);
+            row[lengths.clone()].copy_from_slice(&s.lengths[..lengths.len()]);
+            for (to, c) in row[driven.clone()].iter_mut().zip(&parts.driven) {
                 *to = s.coef[*c];
             }
-            for (to, c) in cells.chunks_exact_mut(8).zip(&s.cells) {
+            for (to, c) in row[cells.clone()].chunks_exact_mut(8).zip(&s.cells) {
                 for q in 0..4 {
                     (to[q], to[4 + q]) = (f64::from(c.node[q]), if q < c.n { c.weight[q] } else { 0.0 });
                 }
             }
             run(before, s);
+            let row = &mut self.all[k * self.width..][..self.width];
+            let sums = &mut row[sums.clone()];
             let mut at = 0;
             for l in &parts.last {
                 for slot in &l.slots {
@@ -121,11 +124,11 @@ impl Record {
                 sums[at] = added;
                 at += 1;
             }
-            if !hears.is_empty() {
+            if !heard_forces.is_empty() {
                 if let Some(op) = heard {
                     (op.kernel)(op, &scene.layout, s);
                 }
-                for (to, tap) in hears.iter_mut().zip(&parts.hears) {
+                for (to, tap) in row[heard_forces.clone()].iter_mut().zip(&parts.hears) {
                     *to = match tap {
                         Tap::Position(m) => s.x[*m as usize],
                         Tap::ForceOn(m) => s.f[*m as usize],
@@ -133,19 +136,18 @@ impl Record {
                     };
                 }
             }
-            for (to, p) in modal.iter_mut().zip(&scene.layout.modal) {
+            for (to, p) in row[modal.clone()].iter_mut().zip(&scene.layout.modal) {
                 *to = s.f[p.mat as usize];
             }
             if !passed.is_empty() {
-                passed.copy_from_slice(s.blocked.as_flattened());
+                row[passed.clone()].copy_from_slice(s.blocked.as_flattened());
                 run(&scene.writes, s);
             }
             run(&scene.moves, s);
             s.tick += 1;
         }
         let row = &mut self.all[ticks * self.width..][..self.width];
-        let (x, rest) = row.split_at_mut(self.parts[0]);
-        x.copy_from_slice(&s.x);
-        rest[..self.parts[1]].copy_from_slice(&s.d);
+        row[x].copy_from_slice(&s.x);
+        row[d].copy_from_slice(&s.d);
     }
 }

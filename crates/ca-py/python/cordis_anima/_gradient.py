@@ -155,9 +155,9 @@ class Derivatives:
     ) -> Gradient:
         """The gradient of a loss of its sound, by parameters and by what ports are given, without memory for the derivatives of samples.
 
-        In reverse mode it takes as long as four to twelve renders of most instruments, however many parameters there are, and up to
-        fifty where nearly all links are not linear (`tam_tam`); besides, each parameter takes a few compilations of the model. In
-        forward mode it takes some tens of renders for each seven parameters. Both find the same, to rounding.
+        In reverse mode it takes as long as some renders, however many parameters there are, and as many tens where nearly all links
+        are not linear; besides, each parameter takes a few compilations of the model. In forward mode its time grows with the number
+        of parameters. Both find the same, to rounding.
 
         Args:
             wrt: as for `tangents`; none where only `inputs` are wanted.
@@ -187,6 +187,9 @@ class Derivatives:
             raise UsageError("a cotangent says how long is played, and of which loss it is")
         seconds = None if seconds is None else length(seconds)
         way, driven = self._way(wrt, mode), made(self._compiled, gesture)
+        # a port may be under way at load, which is known with the gesture
+        if mode == "auto" and isinstance(way, _core.Reverse) and way.parameters and not way.knows(driven):
+            way = self._forward(wrt)
         value = None
         if loss is not None:
             audio = way.audio(seconds, driven)
@@ -208,15 +211,9 @@ class Derivatives:
         names, values, units = _about(way)
         inputs: dict[str, Floats] = {}
         if isinstance(way, _core.Reverse):
-            try:
-                slopes, all = way.gradient(given, driven)
-                inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
-            except UsageError as e:
-                # a port may be under way at load, which is known with the gesture
-                if mode == "reverse" or not names or not str(e).startswith("no reverse mode"):
-                    raise
-                way = self._forward(wrt)
-        if isinstance(way, _core.Forward):
+            slopes, all = way.gradient(given, driven)
+            inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
+        else:
             slopes = way.gradient(given, driven)
         return Gradient(
             value,
