@@ -2,6 +2,7 @@
 //! `suite/`. Below stands the README, so that its Rust is compiled and run.
 #![doc = include_str!("../../README.md")]
 
+pub mod long_form;
 pub mod skipped;
 
 use ca_core::{Catalog, Scene, State};

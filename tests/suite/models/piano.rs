@@ -16,6 +16,7 @@ use ca_haptic::frame::{DeviceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_model::Model;
+use ca_tests::long_form::long_form;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -49,7 +50,8 @@ pub fn hammer_piano() {
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(level(7.3, 7.5) > level(6.2, 6.4) - 25.0 && level(8.1, 8.3) < level(7.3, 7.5) - 20.0);
     // each key by itself sounds its note of equal temperament
-    for i in 0..12 {
+    let keys = if long_form("nine of twelve keys by themselves") { 1 } else { 5 };
+    for i in (0..12).step_by(keys) {
         let want = 440.0 * 2f64.powf((f64::from(i) - 9.0) / 12.0);
         let alone = one_key(&h.model, &format!("key[{i}].key"), &[&strikes[2 * i as usize]], 0.3, 2.0, 1.6);
         let found = partial(alone.at(0, 0.3, 1.5), alone.rate, want, 10.0).0;

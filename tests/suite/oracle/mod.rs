@@ -21,13 +21,20 @@ use ca_compile::{KernelClass, Options};
 use ca_core::{Scene, State, tick};
 use ca_model::{Item, Model, Value};
 use ca_tests::gesture;
+use ca_tests::long_form::long_form;
 
-fn play(scene: &Scene, oracle: &mut Network, mut each: impl FnMut(usize, &Network, &[f64], &State)) {
+/// A second of a scene; in the core suite half of one, of large scenes less, but at least a twentieth.
+fn ticks(scene: &Scene, long: bool) -> usize {
+    let second = scene.rate as usize;
+    if long { second } else { (second * 40 / scene.mats().max(1)).clamp(second / 20, second / 2) }
+}
+
+fn play(scene: &Scene, oracle: &mut Network, ticks: usize, mut each: impl FnMut(usize, &Network, &[f64], &State)) {
     let mut s = scene.state();
     let mut out = vec![0.0; oracle.channels()];
     assert_eq!(out.len(), scene.channels);
     let places: Vec<usize> = oracle.ports.iter().map(|p| scene.input(&p.name).expect("a port")).collect();
-    for n in 0..scene.rate as usize {
+    for n in 0..ticks {
         gesture(scene, &mut s);
         let inputs: Vec<f64> = places.iter().map(|p| s.input[*p]).collect();
         oracle.tick(&inputs, &mut out);
@@ -76,11 +83,12 @@ fn texts() -> Vec<(String, String)> {
 
 #[test]
 fn one_by_one_every_bit_is_that_of_a_plain_loop() {
+    let long = long_form("the rest of a second");
     for (name, text) in texts() {
         let model = plain(&text);
         let scene = built(&model, &reference());
         let mut heard = 0.0f64;
-        play(&scene, &mut build(&model), |n, _, out, s| {
+        play(&scene, &mut build(&model), ticks(&scene, long), |n, _, out, s| {
             let same = out.iter().zip(&s.output).all(|(a, b)| a.to_bits() == b.to_bits());
             assert!(same, "{name}, tick {n}: {out:?} is not {:?}", s.output);
             heard = out.iter().fold(heard, |m, v| m.max(v.abs()));
@@ -91,12 +99,13 @@ fn one_by_one_every_bit_is_that_of_a_plain_loop() {
 
 #[test]
 fn in_batches_it_is_the_same_to_rounding() {
+    let long = long_form("the rest of a second");
     for (name, text) in texts() {
         let model = plain(&text);
         let scene = built(&model, &Options { kernel: KernelClass::Fast, ..Options::default() });
         let (mut worst, mut peak, mut struck) = (0.0f64, 0.0f64, false);
         let mut power = [0.0, 0.0];
-        play(&scene, &mut build(&model), |_, oracle, out, s| {
+        play(&scene, &mut build(&model), ticks(&scene, long), |_, oracle, out, s| {
             for (a, b) in s.output.iter().zip(out) {
                 assert!(a.is_finite());
                 if !struck {

@@ -8,6 +8,8 @@
 
 mod fuzz;
 mod liar;
+#[path = "../../../../tests/src/long_form.rs"]
+mod long_form;
 mod raw;
 mod role;
 #[path = "../../../../tests/src/skipped.rs"]

@@ -1,12 +1,18 @@
 //! The example in C, compiled here against the header and the shared library, as a process of its own.
 
 use desk::{place, played};
+use long_form::long_form;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 #[allow(dead_code)]
 #[path = "../../tests/host/desk.rs"]
 mod desk;
+
+#[path = "../../../../tests/src/long_form.rs"]
+mod long_form;
+#[path = "../../../../tests/src/skipped.rs"]
+mod skipped;
 
 #[test]
 fn c_plays() {
@@ -51,6 +57,10 @@ fn page() -> String {
 
 #[test]
 fn the_page_builds_and_links() {
+    // the workspace builds it with other features: all it depends on is compiled again
+    if !long_form("a build of ca-device alone") {
+        return;
+    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..").canonicalize().unwrap();
     // where this test was built, whatever its profile: <target>/<profile>/deps
     let exe = std::env::current_exe().unwrap();
