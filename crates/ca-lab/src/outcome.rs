@@ -35,7 +35,6 @@ impl Outcome {
         (loaded, options): (&Loaded, &Options),
         gesture: Option<&Gesture>,
     ) -> Outcome {
-        let ended = |status, message| Outcome { status, message, failed: None };
         if played.diverged_at.is_some() {
             let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
             let audited = compiled(loaded, &options).0;
@@ -44,11 +43,17 @@ impl Outcome {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
+        Outcome::heard(level, played.performance.state.refused)
+    }
+
+    /// Of what did not diverge: by what was heard, and how many inputs had no value.
+    pub fn heard(level: &Level, refused: u64) -> Outcome {
+        let ended = |status, message| Outcome { status, message, failed: None };
         if level.clipped + level.non_finite > 0 {
             let (clipped, none) = (level.clipped, level.non_finite);
             return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value"));
         }
-        match played.performance.state.refused {
+        match refused {
             0 => ended("ok", String::new()),
             refused => ended("refused", format!("{refused} inputs had no value")),
         }

@@ -327,7 +327,7 @@ fn of_instance(e: &Entry, i: Option<usize>) -> Option<Entry> {
     }
 }
 
-/// The first word of a name.
+/// The first word of a name, without the number of an instance.
 fn head(name: &str) -> &str {
-    name.split('.').next().unwrap_or(name)
+    name.split(['.', '[']).next().unwrap_or(name)
 }

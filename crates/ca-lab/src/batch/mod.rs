@@ -1,13 +1,15 @@
 //! Batch: one scene played many times, each time with other values, into one array.
 //!
 //! ```text
-//! model ─ values of instance i ─ compiled ─ played ─ row i of one array
+//! model ─ values of some instances ─ compiled as one ─ played ─ a row of one array for each
 //! ```
-//! Decides that an instance is compiled and played by itself, with the bits of a render of its own, and that threads take the
-//! next instance when they are done with one: against instances side by side in the lanes of a vector, which a contact in one
-//! of them takes apart. All are equally long: as the scene itself is, or as somebody says. An instance that cannot be compiled,
-//! or diverges, ends nothing: it is silence, or what was heard before, with a status. A sweep (`sweep`) draws its values,
-//! measures what it plays and keeps files; a batch is given its values and gives sound.
+//! Decides that small instances are played several at a time, as one model ([`merge`]), which begins a tick once for all of them;
+//! each has the bits of a render of its own. Threads take the next ones when they are done with some. All are equally
+//! long: as the scene itself is, or as somebody says. An instance that cannot be compiled, or diverges, ends nothing:
+//! those that were played with it are played by themselves, and it is silence, or what was heard before, with a status. A
+//! sweep (`sweep`) draws its values, measures what it plays and keeps files; a batch is given its values and gives sound.
+
+mod merge;
 
 use crate::Failure;
 use crate::load::{self, Loaded};
@@ -22,6 +24,11 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
+
+/// Modules that are played as one at most, unless one instance has more: beyond, a tick is no shorter for being begun once.
+const TOGETHER: usize = 2000;
+/// Instances that are played as one at most.
+const MOST: usize = 16;
 
 /// Between two looks at whether somebody still wants it.
 const LOOK: Duration = Duration::from_millis(20);
@@ -88,18 +95,28 @@ pub fn batch<S: Sample>(
     let mut ended = vec![(Outcome::invalid(String::new()), 0.0); n];
 
     let (rate, stop) = (scene.rate, AtomicBool::new(false));
-    let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, stop: &stop };
+    let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, probes, stop: &stop };
+    // each thread has some
+    let some =
+        (TOGETHER / (scene.n_mat + scene.n_lia).max(1)).clamp(1, MOST).min(n.div_ceil(spec.threads.max(1)).max(1));
     let rows = rows(&mut sound, n, per_sound).into_iter().zip(rows(&mut probed, n, per_probes)).zip(&mut ended);
-    let rows = Mutex::new(rows.enumerate());
+    let slots = rows.enumerate().map(|(index, ((sound, probed), to))| Slot { index, sound, probed, to });
+    let slots = Mutex::new(slots);
     let (done, each) = mpsc::channel();
-    let work = |done: mpsc::Sender<()>| {
+    let work = |done: mpsc::Sender<usize>| {
         while !stop.load(Relaxed) {
-            // the lock is held for the step of an iterator, which does not panic
-            let next = rows.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let Some((index, ((sound, probed), to))) = next else { return };
-            *to = shared.play(index, sound, probed);
+            // the lock is held for steps of an iterator, which do not panic
+            let mut next: Vec<_> = slots.lock().unwrap_or_else(PoisonError::into_inner).by_ref().take(some).collect();
+            if next.is_empty() {
+                return;
+            }
+            if next.len() == 1 || shared.together(&mut next).is_none() {
+                for slot in &mut next {
+                    shared.play(slot);
+                }
+            }
             // nobody listens any more where it was stopped
-            let _ = done.send(());
+            let _ = done.send(next.len());
         }
     };
     let wanted = std::thread::scope(|scope| {
@@ -111,7 +128,7 @@ pub fn batch<S: Sample>(
         let mut played = 0;
         loop {
             match each.recv_timeout(LOOK) {
-                Ok(()) => played += 1,
+                Ok(more) => played += more as u64,
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return goes_on(played, n as u64),
             }
@@ -168,6 +185,33 @@ fn rows<S>(mut all: &mut [S], n: usize, width: usize) -> Vec<&mut [S]> {
     (0..n).map(row).collect()
 }
 
+/// An instance, and where it goes.
+struct Slot<'r, S> {
+    index: usize,
+    sound: &'r mut [S],
+    probed: &'r mut [S],
+    /// what became of it, and its peak
+    to: &'r mut (Outcome, f64),
+}
+
+impl<S: Sample> Slot<'_, S> {
+    /// Keeps outputs, rows of channels and probes, from sample `first` on.
+    fn keep(&mut self, rows: &[f64], width: usize, level: &mut Level, first: usize) {
+        let (channels, width) = (level.peak.len(), width.max(1));
+        level.keep_rows(rows, width, &mut self.sound[first * channels..]);
+        let probes = width - channels.min(width);
+        if probes > 0 && !self.probed.is_empty() {
+            for (row, to) in rows.chunks_exact(width).zip(self.probed[first * probes..].chunks_exact_mut(probes)) {
+                row[channels..].iter().zip(to).for_each(|(x, to)| *to = S::of(*x));
+            }
+        }
+    }
+}
+
+fn peak(level: &Level) -> f64 {
+    level.peak.iter().copied().fold(0.0, f64::max)
+}
+
 /// What every thread knows.
 struct Shared<'a> {
     loaded: &'a Loaded,
@@ -177,50 +221,92 @@ struct Shared<'a> {
     rate: f64,
     frames: u64,
     channels: usize,
+    probes: usize,
     stop: &'a AtomicBool,
 }
 
 impl Shared<'_> {
-    /// Plays an instance into its rows: what became of it, and its peak.
-    fn play<S: Sample>(&self, index: usize, sound: &mut [S], probed: &mut [S]) -> (Outcome, f64) {
-        // the scene itself was judged; an instance is where it diverges, so that what is said of it is what a render says
-        let quick = Options { bounds_only: true, ..self.options.clone() };
-        let first = self.played(index, &quick, sound, probed);
-        let again = first.as_ref().is_ok_and(|(outcome, _)| outcome.status == "unstable");
-        let ended = if again { self.played(index, self.options, sound, probed) } else { first };
-        ended.unwrap_or_else(|e| (Outcome::invalid(e.line()), 0.0))
-    }
-
-    fn played<S: Sample>(
-        &self,
-        index: usize,
-        options: &Options,
-        sound: &mut [S],
-        probed: &mut [S],
-    ) -> Result<(Outcome, f64), Failure> {
+    /// The model with the values of an instance.
+    fn instance(&self, index: usize) -> Result<Loaded, Failure> {
         let mut loaded = self.loaded.clone();
         for (name, values) in &self.spec.values {
             load::set(&mut loaded, name, values[index].clone())?;
         }
+        Ok(loaded)
+    }
+
+    /// Plays some instances as one scene. `None` where they are none, or one of them is not as it should be: nothing is said of any
+    /// of them then.
+    fn together<S: Sample>(&self, some: &mut [Slot<'_, S>]) -> Option<()> {
+        let (n, channels, width) = (some.len(), self.channels, self.channels + self.probes);
+        let mut all: Loaded = self.loaded.clone();
+        let mut models = Vec::with_capacity(n);
+        for slot in some.iter() {
+            let Loaded { model, clouds, .. } = self.instance(slot.index).ok()?;
+            models.push(model);
+            all.clouds.extend(clouds);
+        }
+        all.model = merge::models(&models, channels, &load::catalog())?;
+        let probes = merge::probes(&self.options.probes, n);
+        let compiled = load::scene(&all, &Options { bounds_only: true, probes, ..self.options.clone() }).ok()?;
+        let scene = &compiled.scene;
+        if (scene.rate, scene.channels, scene.n_out) != (self.rate, n * channels, n * width) {
+            return None;
+        }
+        let gesture = self.gesture.map(|g| merge::gesture(g, n).ok_or(())).transpose().ok()?;
+        let mut levels = vec![Level::new(channels); n];
+        let mut own = Vec::with_capacity(BLOCK as usize * width);
+        let performance = Performance::new(scene, gesture.as_ref()).ok()?;
+        let played = play::play(performance, self.frames, BLOCK, &mut |_, rows, done| {
+            let first = done as usize - rows.len() / (n * width).max(1);
+            for (i, (slot, level)) in some.iter_mut().zip(&mut levels).enumerate() {
+                own.clear();
+                for row in rows.chunks_exact((n * width).max(1)) {
+                    own.extend_from_slice(&row[i * channels..][..channels]);
+                    own.extend_from_slice(&row[n * channels + i * self.probes..][..self.probes]);
+                }
+                slot.keep(&own, width, level, first);
+            }
+            if self.stop.load(Relaxed) { Err(()) } else { Ok(()) }
+        });
+        let played = played.ok()?;
+        if played.diverged_at.is_some() || played.performance.state.refused > 0 {
+            return None;
+        }
+        for (slot, level) in some.iter_mut().zip(&levels) {
+            *slot.to = (Outcome::heard(level, 0), peak(level));
+        }
+        Some(())
+    }
+
+    /// Plays an instance by itself.
+    fn play<S: Sample>(&self, slot: &mut Slot<'_, S>) {
+        // the scene itself was judged; an instance is where it diverges, so that what is said of it is what a render says
+        let quick = Options { bounds_only: true, ..self.options.clone() };
+        let first = self.played(slot, &quick);
+        let again = first.as_ref().is_ok_and(|(outcome, _)| outcome.status == "unstable");
+        let ended = if again { self.played(slot, self.options) } else { first };
+        *slot.to = ended.unwrap_or_else(|e| (Outcome::invalid(e.line()), 0.0));
+    }
+
+    fn played<S: Sample>(&self, slot: &mut Slot<'_, S>, options: &Options) -> Result<(Outcome, f64), Failure> {
+        // what was played with others before it was by itself
+        slot.sound.fill(S::default());
+        slot.probed.fill(S::default());
+        let loaded = self.instance(slot.index)?;
         let compiled = load::scene(&loaded, options)?;
-        let (scene, channels) = (&compiled.scene, self.channels);
+        let scene = &compiled.scene;
         let probes = scene.n_out - scene.channels;
-        if (scene.rate, scene.channels) != (self.rate, channels) || probed.len() != probes * self.frames as usize {
+        if (scene.rate, scene.channels, probes) != (self.rate, self.channels, self.probes) {
             let what = format!("{} channels and {probes} probes at {} Hz", scene.channels, scene.rate);
             return Err(Failure::Failed(format!("{what}: not those of the scene as it is")));
         }
-        let mut level = Level::new(channels);
+        let mut level = Level::new(self.channels);
         let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {
-            let (width, first) = (scene.n_out.max(1), done as usize - rows.len() / scene.n_out.max(1));
-            level.keep_rows(rows, width, &mut sound[first * channels..]);
-            if probes > 0 {
-                for (row, to) in rows.chunks_exact(width).zip(probed[first * probes..].chunks_exact_mut(probes)) {
-                    row[channels..].iter().zip(to).for_each(|(x, to)| *to = S::of(*x));
-                }
-            }
+            slot.keep(rows, scene.n_out, &mut level, done as usize - rows.len() / scene.n_out.max(1));
             if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
         })?;
         let outcome = Outcome::of(&played, &level, &compiled, (&loaded, options), self.gesture);
-        Ok((outcome, level.peak.iter().copied().fold(0.0, f64::max)))
+        Ok((outcome, peak(&level)))
     }
 }
