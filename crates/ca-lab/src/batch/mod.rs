@@ -3,7 +3,7 @@
 //! ```text
 //! model ─ values of some instances ─ compiled as one ─ played ─ a row of one array for each
 //! ```
-//! Decides that small instances are played several at a time, as one model ([`merge`]), which begins a tick once for all of them;
+//! Decides that small instances are played several at a time, as one model (`merge`), which begins a tick once for all of them;
 //! each has the bits of a render of its own. Threads take the next ones when they are done with some. All are equally
 //! long: as the scene itself is, or as somebody says. An instance that cannot be compiled, or diverges, ends nothing:
 //! those that were played with it are played by themselves, and it is silence, or what was heard before, with a status. A
