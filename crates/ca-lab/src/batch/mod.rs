@@ -257,7 +257,9 @@ impl Shared<'_> {
         let mut levels = vec![Level::new(channels); n];
         let mut own = Vec::with_capacity(BLOCK as usize * width);
         let performance = Performance::new(scene, gesture.as_ref()).ok()?;
-        let played = play::play(performance, self.frames, BLOCK, &mut |_, rows, done| {
+        // as many numbers at a time as of one, which stay in the first cache
+        let block = (BLOCK / n as u64).max(64);
+        let played = play::play(performance, self.frames, block, &mut |_, rows, done| {
             let first = done as usize - rows.len() / (n * width).max(1);
             for (i, (slot, level)) in some.iter_mut().zip(&mut levels).enumerate() {
                 own.clear();
