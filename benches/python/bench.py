@@ -17,9 +17,9 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import batches
 import by_numba
 import by_numpy
-import lanes
 import numpy as np
 
 import cordis_anima as ca
@@ -217,11 +217,6 @@ def peers() -> list[tuple[str, float, float]]:
     return [(name, 1e9 * t / n, first) for name, t, first in rows]
 
 
-VERDICT = """\
-The engine's vectors run along the rows of one scene already: what lanes add to that depends on the processor and on how
-far a scene fills its vectors. There is no batch path for that: `ca.sweep` plays whole scenes, a thread each."""
-
-
 def machine() -> str:
     cpu = next((l.split(":")[1].strip() for l in open("/proc/cpuinfo") if l.startswith("model name")), platform.machine())
     return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
@@ -231,7 +226,7 @@ def main() -> None:
     two, pooled = threads()
     calls = overheads()
     runs = sweeps()
-    batch = lanes.table(in_turn)
+    batch = batches.table(in_turn)
     rows = peers()
     own = rows[0]
     lines = [
@@ -267,16 +262,14 @@ def main() -> None:
         "",
         f"Runs of one second by two threads: {runs['1 s, one thread'] / runs['1 s, two threads']:.2f} × those of one.",
         "",
-        "## Instances in lanes",
+        "## Batches",
         "",
-        "Many instances of one scene with other values, interleaved in one scene so that vectors run across them: how many",
-        "times more is played than by one scene after the other on one thread (the bits are the same).",
+        "Instances of one scene with other values by `ca.batch`, two threads, beside a pool of two threads that replace and render;",
+        "the bits are the same. Small instances are played several at a time as one scene; large ones each by itself.",
         "",
-        "| | lanes, one thread | two threads, one scene each | both | lanes |",
+        "| scene | each [s] | instances | ms an instance | times as fast as the pool |",
         "|---|---|---|---|---|",
-        *(f"| {name} | {a:.2f} | {b:.2f} | {c:.2f} | {n} |" for name, a, b, c, n in batch),
-        "",
-        *VERDICT.splitlines(),
+        *(f"| {name} | {seconds:g} | {n} | {ms:.3g} | {times:.2f} |" for name, seconds, n, ms, times in batch),
         "",
         "## Peers",
         "",
