@@ -50,6 +50,7 @@ pub mod probe;
 pub mod reading;
 pub mod recording;
 pub mod running;
+pub mod slow;
 pub mod sound;
 
 pub use error::{FileError, FileErrorKind};

@@ -5,7 +5,6 @@
 //! divergence within full scale, but never called a success.
 
 mod play;
-mod slow;
 mod summary;
 
 pub(crate) use play::{listen, play, stopped};
@@ -20,12 +19,13 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::{KernelClass, Options};
-use ca_core::Scene;
-use ca_core::scene::Halves;
+use ca_core::scene::{Halves, Location};
+use ca_core::{Scene, State};
 use ca_io::ending::{Ending, RenderOut};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
+use ca_io::slow::Slow;
 use ca_io::sound::Format;
 use ca_lab::catalog;
 use ca_lab::gesture;
@@ -84,7 +84,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
     let ending = Ending { format, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
-    let slow = slow::Slow::new(scene.channels, scene.rate);
+    let slow = Slow::new(scene.channels, scene.rate);
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
     let mut files = play::Files { wav, slow, probes: outs, channels: scene.channels, waiting: Vec::new() };
@@ -109,7 +109,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         written: &ended.written,
         ended: &ended,
         slow: slow.found().collect(),
-        furthest: slow::furthest(&scene, &played.performance.state),
+        furthest: furthest(&scene, &played.performance.state),
         wall: played.wall,
         energy: energy.as_ref(),
         divergence: divergence.as_ref(),
@@ -210,4 +210,18 @@ pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u6
         ));
     }
     (seconds, ca_lab::play::frames(scene, seconds))
+}
+
+/// The body that is furthest from its rest, ports and fixed points aside.
+fn furthest(scene: &Scene, state: &State) -> String {
+    let mut most = (0.0, String::new());
+    for s in scene.symbols.iter() {
+        let (Location::Mat(at), false) = (s.location, matches!(s.code, "ENX" | "TGR" | "SOL")) else { continue };
+        let far =
+            (0..s.axes as usize).filter_map(|k| state.x.get(at as usize + k)).fold(0.0_f64, |m, x| m.max(x.abs()));
+        if far > most.0 {
+            most = (far, s.name.to_string());
+        }
+    }
+    most.1
 }

@@ -1,6 +1,5 @@
 //! The loop that plays.
 
-use super::slow::Slow;
 use crate::outcome::Failure;
 use crate::term;
 use ca_core::scene::Halves;
@@ -8,6 +7,7 @@ use ca_io::ending::{Ended, RenderOut};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
+use ca_io::slow::Slow;
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -111,6 +111,10 @@ pub(crate) struct Files {
 impl Files {
     /// Rows of all outputs.
     pub fn write(&mut self, rows: &[f64]) -> Result<(), Failure> {
+        if self.probes.is_empty() {
+            self.slow.hear(rows);
+            return Ok(self.wav.write(rows)?);
+        }
         let columns: usize = self.probes.iter().map(|p| p.1).sum();
         self.waiting.resize(1 + self.probes.len(), Vec::new());
         self.waiting.iter_mut().for_each(Vec::clear);

@@ -2,7 +2,6 @@
 
 use super::Probe;
 use super::play::Audit;
-use super::slow::EDGE;
 use crate::args::{RenderArgs, SampleFormat};
 use crate::commands::{border, inputs};
 use crate::load::ticked;
@@ -15,6 +14,7 @@ use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
 use ca_core::state::Ledger;
 use ca_io::ending::Ended;
+use ca_io::slow::EDGE;
 use ca_io::sound::Written;
 pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_lab::play::{gain, unbalanced};

@@ -1,20 +1,18 @@
 //! What of a sound is too slow to be heard: a body that drifts fills an output, and nothing of it sounds.
 
-use ca_core::scene::Location;
-use ca_core::{Scene, State};
-
 /// Below this nothing is heard \[Hz\].
-pub(crate) const EDGE: f64 = 5.0;
+pub const EDGE: f64 = 5.0;
 /// A sound of less power has no slow part worth a word.
 const NOTHING: f64 = 1e-20;
 
-/// The power of each channel, and that of what two low-passes of one pole, 3 dB down together at [`EDGE`], leave of it.
-pub(crate) struct Slow {
+/// Of a sound that is heard block by block: the power of each channel, and that of what two low-passes of one pole, 3 dB down together at [`EDGE`], leave of it.
+#[derive(Clone, Debug)]
+pub struct Slow {
     pole: f64,
     channels: Vec<Channel>,
 }
 
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Channel {
     first: f64,
     second: f64,
@@ -49,20 +47,6 @@ impl Slow {
         let share = |c: &Channel| if c.all > NOTHING { c.slow / c.all } else { 0.0 };
         self.channels.iter().map(share).enumerate().filter(|(_, share)| *share > 0.5)
     }
-}
-
-/// The body that is furthest from its rest, ports and fixed points aside.
-pub(crate) fn furthest(scene: &Scene, state: &State) -> String {
-    let mut most = (0.0, String::new());
-    for s in scene.symbols.iter() {
-        let (Location::Mat(at), false) = (s.location, matches!(s.code, "ENX" | "TGR" | "SOL")) else { continue };
-        let far =
-            (0..s.axes as usize).filter_map(|k| state.x.get(at as usize + k)).fold(0.0_f64, |m, x| m.max(x.abs()));
-        if far > most.0 {
-            most = (far, s.name.to_string());
-        }
-    }
-    most.1
 }
 
 #[cfg(test)]
