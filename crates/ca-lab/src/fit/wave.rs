@@ -49,11 +49,13 @@ impl Wave {
 pub(super) fn delayed(sound: &[f64], delay: f64, from: usize, until: usize, to: &mut Vec<f64>) {
     let whole = libm::floor(delay);
     let part = delay - whole;
-    let at = |i: isize| usize::try_from(i).ok().and_then(|i| sound.get(i)).copied().unwrap_or(0.0);
     let begin = from as isize - whole as isize;
     let n = until.saturating_sub(from) as isize;
+    let first = to.len();
+    to.resize(first + n as usize, 0.0);
+    let to = &mut to[first..];
     if part == 0.0 {
-        to.extend((begin..begin + n).map(at));
+        add(sound, begin, 1.0, to);
         return;
     }
     let weights: Vec<f64> = (-HALF..HALF)
@@ -64,7 +66,18 @@ pub(super) fn delayed(sound: &[f64], delay: f64, from: usize, until: usize, to: 
             libm::sin(x) / x * window * window
         })
         .collect();
-    to.extend((begin..begin + n).map(|i| weights.iter().zip(-HALF..HALF).map(|(w, k)| w * at(i + k)).sum::<f64>()));
+    for (w, k) in weights.into_iter().zip(-HALF..HALF) {
+        add(sound, begin + k, w, to);
+    }
+}
+
+/// Adds so much of a sound from sample `begin` on; outside of it there is silence.
+fn add(sound: &[f64], begin: isize, weight: f64, to: &mut [f64]) {
+    let skipped = usize::try_from(-begin).unwrap_or(0).min(to.len());
+    let from = usize::try_from(begin).unwrap_or(0).min(sound.len());
+    for (to, x) in to[skipped..].iter_mut().zip(&sound[from..]) {
+        *to += weight * x;
+    }
 }
 
 impl Loss for Wave {
