@@ -77,7 +77,7 @@ def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
         notebook.cells += again
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     # what it says it also tests
-    assert sum("assert " in cell.source for cell in code) >= 3
+    assert sum("assert " in cell.source for cell in code) >= 2
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
     outputs = [output for cell in code for output in cell.outputs]
     assert all(cell.execution_count for cell in code)
