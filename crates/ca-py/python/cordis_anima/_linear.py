@@ -148,16 +148,25 @@ class Linear:
             driven: displacement of each driven place [m], and its motion in this tick [m].
 
         Raises:
-            UsageError: some group does not move by forces at places, see `other_scheme`.
+            UsageError: some group does not move by forces at places, see `other_scheme`; or an array has another shape.
         """
         if self.other_scheme is not None:
             raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick is none of these matrices")
         at: Floats = np.asarray(x, dtype=np.float64)
         motion: Floats = np.asarray(d, dtype=np.float64)
+        if at.ndim not in (1, 2) or len(at) != len(self) or motion.shape != at.shape:
+            places = f"({len(self)},) or ({len(self)}, states)"
+            raise UsageError(f"`x` and `d` are both {places}, not {at.shape} and {motion.shape}")
+        given = [np.asarray(v, dtype=np.float64) for v in (force, *driven)]
+        for name, v, n in zip(("force", "driven[0]", "driven[1]"), given, (len(self), len(self.driven), len(self.driven)), strict=False):
+            if v.ndim and v.shape not in ((n,), (n, *at.shape[1:])):
+                raise UsageError(f"`{name}` is a number for all, or {(n, *at.shape[1:])}, not {v.shape}")
+        # what is given for each place is so in all states
+        given = [v[:, None] if v.ndim == 1 and at.ndim == 2 else v for v in given]
         shape = (len(self.driven), *at.shape[1:])
-        port, moves = (np.broadcast_to(np.asarray(v, dtype=np.float64), shape) for v in driven)
+        port, moves = (np.broadcast_to(v, shape) for v in given[1:])
         pull = self.K @ at + self.Z @ motion / self.T + self.K_driven @ port + self.Z_driven @ moves / self.T
-        total: Floats = np.asarray(force, dtype=np.float64) + (self.constant if at.ndim == 1 else self.constant[:, None]) - pull
+        total: Floats = given[0] + (self.constant if at.ndim == 1 else self.constant[:, None]) - pull
         if self.N.count_nonzero():
             solve: Any = import_module("scipy.sparse.linalg").spsolve
             more: Floats = np.asarray(solve((self.M / self.T**2 + self.N).tocsc(), total)).reshape(at.shape)

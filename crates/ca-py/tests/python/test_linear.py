@@ -95,6 +95,23 @@ def test_a_tick_by_matrices_is_that_of_the_scene(method: str) -> None:
     assert np.allclose(two[:, 1], 2 * two[:, 0], rtol=1e-14)
 
 
+def test_a_tick_of_another_shape_is_refused() -> None:
+    part = ca.parse(LINE.replace("METHOD", "")).linear()
+    n, ports = len(part), len(part.driven)
+    for x, d, force, driven, says in [
+        (np.zeros(n + 1), np.zeros(n + 1), 0.0, (0.0, 0.0), "`x` and `d`"),
+        (part.x, part.d[:-1], 0.0, (0.0, 0.0), "`x` and `d`"),
+        (0.0, 0.0, 0.0, (0.0, 0.0), "`x` and `d`"),
+        (part.x, part.d, np.zeros(n - 1), (0.0, 0.0), "`force`"),
+        (part.x, part.d, 0.0, (np.zeros(ports + 1), 0.0), r"`driven\[0\]`"),
+    ]:
+        with pytest.raises(ca.UsageError, match=says):
+            part.tick(x, d, force, driven)
+    # one force for each place is so in all states
+    both = part.tick(np.stack([part.x, part.x], 1), np.stack([part.d, part.d], 1), np.arange(float(n)))[0]
+    assert np.array_equal(both[:, 1], part.tick(part.x, part.d, np.arange(float(n)))[0])
+
+
 def test_coefficients_are_those_stored() -> None:
     part = ca.parse(LINE.replace("METHOD", "")).linear()
     T = 1 / 48000
