@@ -101,3 +101,13 @@ def test_what_a_callback_raises_ends_it():
 
     with pytest.raises(RuntimeError, match="enough"):
         ca.batch(STRING, {"low.f": [110.0] * 1000}, 5.0, progress=stop)
+
+
+def test_an_instance_on_a_channel_of_its_own_takes_none_of_another() -> None:
+    two = ca.parse("[CEL]\na = { m = '1 g', f = 300, v = '1 cm/s' }\n[SOX]\nout = { from = 'a', gain = 9, channel = 0 }\n")
+    b = ca.batch(two, {"out.channel": [0, 1, 0]}, 0.02, threads=1)
+    assert b.status.tolist() == ["ok", "invalid", "ok"] and "channels" in b.message[1]
+    assert np.array_equal(b.audio[0], two.render(0.02).audio) and np.array_equal(b.audio[2], b.audio[0])
+    kalimba = ca.load("kalimba")
+    b = ca.batch(kalimba, {"wood_left.gain": [14, 7]}, 1.0)
+    assert np.array_equal(b.audio[0], kalimba.render(1.0).audio) and not np.array_equal(b.audio[1], b.audio[0])
