@@ -4,7 +4,8 @@
 //! model ─ values of some instances ─ compiled as one ─ played ─ a row of one array for each
 //! ```
 //! Decides that small instances are played several at a time, as one model (`merge`), which begins a tick once for all of them;
-//! each has the bits of a render of its own. Threads take the next ones when they are done with some. All are equally
+//! each has the bits of a render of its own. Contacts that are solved all at once go by each other in their last bits: instances of
+//! such a scene are played one by one. Threads take the next ones when they are done with some. All are equally
 //! long: as the scene itself is, or as somebody says. An instance that cannot be compiled, or diverges, ends nothing:
 //! those that were played with it are played by themselves, and it is silence, or what was heard before, with a status. A
 //! sweep (`sweep`) draws its values, measures what it plays and keeps files; a batch is given its values and gives sound.
@@ -16,6 +17,8 @@ use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
 use crate::play::{self, BLOCK, Sample};
 use ca_compile::Options;
+use ca_core::Scene;
+use ca_core::op::SolveStage;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
@@ -96,9 +99,10 @@ pub fn batch<S: Sample>(
 
     let (rate, stop) = (scene.rate, AtomicBool::new(false));
     let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, probes, stop: &stop };
+    let most = if solves_at_once(&scene) { 1 } else { MOST };
     // each thread has some
     let some =
-        (TOGETHER / (scene.n_mat + scene.n_lia).max(1)).clamp(1, MOST).min(n.div_ceil(spec.threads.max(1)).max(1));
+        (TOGETHER / (scene.n_mat + scene.n_lia).max(1)).clamp(1, most).min(n.div_ceil(spec.threads.max(1)).max(1));
     let rows = rows(&mut sound, n, per_sound).into_iter().zip(rows(&mut probed, n, per_probes)).zip(&mut ended);
     let slots = rows.enumerate().map(|(index, ((sound, probed), to))| Slot { index, sound, probed, to });
     let slots = Mutex::new(slots);
@@ -143,6 +147,11 @@ pub fn batch<S: Sample>(
     }
     let (outcomes, peaks) = ended.into_iter().unzip();
     Ok(Batch { rate, frames: frames as usize, channels, probes, sound, probed, outcomes, peaks })
+}
+
+/// Whether links are solved all at once: then the last bits of one go by all others, also by those of another instance.
+fn solves_at_once(scene: &Scene) -> bool {
+    scene.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled(_)))
 }
 
 /// How many instances there are, where everything that is varied is there and has as many values.
@@ -250,7 +259,8 @@ impl Shared<'_> {
         let probes = merge::probes(&self.options.probes, n);
         let compiled = load::scene(&all, &Options { bounds_only: true, probes, ..self.options.clone() }).ok()?;
         let scene = &compiled.scene;
-        if (scene.rate, scene.channels, scene.n_out) != (self.rate, n * channels, n * width) {
+        let whole = (scene.rate, scene.channels, scene.n_out) == (self.rate, n * channels, n * width);
+        if !whole || solves_at_once(scene) {
             return None;
         }
         let gesture = self.gesture.map(|g| merge::gesture(g, n).ok_or(())).transpose().ok()?;

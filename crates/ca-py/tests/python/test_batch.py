@@ -111,3 +111,28 @@ def test_an_instance_on_a_channel_of_its_own_takes_none_of_another() -> None:
     kalimba = ca.load("kalimba")
     b = ca.batch(kalimba, {"wood_left.gain": [14, 7]}, 1.0)
     assert np.array_equal(b.audio[0], kalimba.render(1.0).audio) and not np.array_equal(b.audio[1], b.audio[0])
+
+
+SHARED = """
+[CEL]
+a = { m = "0.2 g", f = "220 Hz", t60 = "0.3 s" }
+[ENX]
+b = {}
+c = {}
+[BOW]
+r = { between = ["a", ["b","c"]], f = "0.3 N", METHOD }
+[SOX]
+o = { from = "a", gain = 1000 }
+[gesture]
+b = [[0, 0], [1, "0.1 m"]]
+c = [[0, 0], [1, "-0.05 m"]]
+"""
+
+
+@pytest.mark.parametrize("method", ['v0 = "20 mm/s", method = "newton"', 'v0 = "20 mm/s", method = "secant"', 'curve = "coulomb", method = "set-valued"'])
+def test_contacts_that_are_solved_at_once_know_nothing_of_other_instances(method: str) -> None:
+    scene = ca.parse(SHARED.replace("METHOD", method))
+    values = [220.0, 221.0, 300.0, 222.0]
+    b = ca.batch(scene, {"a.f": values}, 0.1, dtype="float64", threads=1)
+    for row, f in zip(b.audio, values, strict=True):
+        assert row.any() and np.array_equal(row, scene.replace({"a.f": f}).render(0.1, dtype="float64").audio)
