@@ -43,13 +43,13 @@ const SHORT: &str = "
 What is short of what is expected, by samples of the processor (`perf record` of this bench):
 
 - *Strings of 10^5 modules and more.* Positions, motions and the numbers of each link and mass no longer fit into the second
-  cache, and each is read once a tick. Numbers kept once for a stretch of equal modules would halve what is read.
+  cache, and each is read once a tick. Numbers kept once for a stretch of equal modules would mend it.
 - *Compiling one line.* No pass stands out: the network, its layout, the coefficients, the certificate and the start each go once
   over all modules, in tables larger than the second cache. One line could be kept as one line up to the layout, at
   the price of a second way through every pass.
-- *One by one.* Each module is read into a tree of the TOML library, and then into a model, before it is compiled: some fifty
-  allocations a module, no function of which takes more than one part in thirty. The model stays while it is compiled,
-  for the places of what is found. A reader by events, without the tree, would save a third of the time.
+- *One by one.* Each module is read into a tree of the TOML library, and then into a model, before it is compiled: many
+  allocations a module, and no function of them stands out. The model stays while it is compiled,
+  for the places of what is found. A reader by events, without the tree, would mend it.
 ";
 
 /// What a stage took: processor time, and of the allocator.

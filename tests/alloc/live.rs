@@ -110,7 +110,7 @@ impl Found {
 
 #[test]
 fn nor_does_the_loop_while_both_cores_are_busy() {
-    let frames: u64 = if std::env::var_os("CA_LONG").is_some() { 180_000 } else { 9000 };
+    let frames: u64 = if ca_tests::long_form::long_form("all but three seconds of a minute") { 180_000 } else { 9000 };
     let (engine, state, change) = engine::engine(true, true);
     let scene = engine.scene.clone();
     let (ends, gateway, mut recorder) = rings(&scene, 1, 0);

@@ -157,7 +157,7 @@ fn what_cannot_be_held_says_why() {
 fn no_hand_makes_a_bundled_model_diverge() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let bundled = |name: &str| folder.join(name).exists();
-    let most = if long_form("four of five masses of each model") { 48 } else { 10 };
+    let [of_bundled, of_others] = if long_form("most masses of each model") { [48, 12] } else { [10, 4] };
     let mut unheld = Vec::new();
     let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 0.0];
     for (name, text) in texts() {
@@ -169,7 +169,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
         let mut random = Random(11);
         let mut held = 0;
         // of many equal parts the same place of each may be met, which cannot be held: then others
-        let step = (scene.mats() / if bundled(&name) { most } else { (most / 4).max(4) }).max(1);
+        let step = (scene.mats() / if bundled(&name) { of_bundled } else { of_others }).max(1);
         let by = |step: usize| -> Vec<_> {
             let all = (0..scene.mats()).step_by(step);
             all.filter_map(|mass| Some((mass, Touched::Grab(mass as u32).again(&scene)?))).collect()

@@ -18,7 +18,7 @@ fn soak<S: Strategy>(drawn: impl Fn() -> S, play: impl Fn(&S::Value, u64))
 where
     S::Value: std::fmt::Debug,
 {
-    let long = std::env::var_os("CA_LONG").is_some();
+    let long = ca_tests::long_form::long_form("nine of ten scenes, and most of the ticks");
     for (cases, ticks) in [(if long { 0 } else { 40 }, 20_000), (if long { 60 } else { 1 }, 1_000_000)] {
         let config = ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() };
         let played = TestRunner::new(config).run(&drawn(), |d| {

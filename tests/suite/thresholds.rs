@@ -424,7 +424,7 @@ fn modes_are_computed_up_to_4000_places() {
     };
     let refused = |all: &str| all.lines().any(|l| l.starts_with("E027") && l.contains("up to 4000 places"));
     assert!(refused(&found(4001)));
-    if std::env::var_os("CA_LONG").is_some() {
+    if ca_tests::long_form::long_form("the modes of 4000 places") {
         assert!(!refused(&found(4000)));
     }
 }

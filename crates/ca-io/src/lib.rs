@@ -42,6 +42,7 @@ pub mod atomic_file;
 pub mod cloud;
 pub mod ending;
 pub mod error;
+pub mod files;
 pub mod gesture;
 pub mod halves;
 pub mod live_midi;

@@ -5,9 +5,12 @@
 
 #![cfg(unix)]
 
+#[path = "../../../tests/src/long_form.rs"]
+mod long_form;
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
 
+use long_form::long_form;
 use skipped::skipped;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -32,6 +35,8 @@ fn python() -> Option<PathBuf> {
 #[test]
 fn everything_in_python() {
     let Some(python) = python() else { return };
+    // these look for `CA_LONG` themselves
+    long_form("notebooks a second time, most tasks of sweeps, most calls of a render");
     let exe = std::env::current_exe().expect("this test");
     let deps = exe.parent().expect("its folder");
     // what cargo has built for this test

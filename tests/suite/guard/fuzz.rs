@@ -11,7 +11,7 @@ use ca_haptic::profile::Profile;
 
 /// Frames of each of the two tests.
 fn frames() -> u32 {
-    if std::env::var_os("CA_LONG").is_some() { 10_000_000 } else { 500_000 }
+    if ca_tests::long_form::long_form("nineteen of twenty frames") { 10_000_000 } else { 500_000 }
 }
 
 /// What a watcher on the wire asserts.

@@ -2,6 +2,7 @@
 
 use crate::fuzz::Fuzz;
 use crate::liar::Liar;
+use crate::long_form::long_form;
 use crate::stage::{KEY, Stage, until};
 use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, Mode};
@@ -101,7 +102,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
 
 #[test]
 fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
-    let all: u64 = if std::env::var_os("CA_LONG").is_some() { 1_000_000 } else { 100_000 };
+    let all: u64 = if long_form("nine of ten frames") { 1_000_000 } else { 100_000 };
     let stage = Stage::new();
     stage.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
     let watch = Watch::of(&stage.site, "key");

@@ -2,6 +2,7 @@
 //! the engine's thread allocates nothing meanwhile is shown where allocations are counted, in `tests/alloc`; how late
 //! things are, by the bench `latency`.
 
+use crate::long_form::long_form;
 use crate::role;
 use crate::stage::{Stage, until};
 use crate::watch::{Seen, Watch, key};
@@ -97,7 +98,7 @@ fn every_frame_is_accounted_for() {
 
 #[test]
 fn a_minute_under_load_loses_nothing_uncounted_and_no_memory() {
-    if std::env::var_os("CA_LONG").is_none() {
+    if !long_form("all of it") {
         return;
     }
     let p = played(60, true);

@@ -8,6 +8,8 @@ mod midi_osc;
 mod moments;
 mod pictures;
 
+#[path = "../../../../tests/src/long_form.rs"]
+mod long_form;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
 mod soak;

@@ -69,16 +69,11 @@ fn placed(item: &Item, params: &[Entry], i: usize, channels: usize) -> Option<It
 
 /// A plain number, or that of the parameter which is named.
 fn number(value: &Value, params: &[Entry]) -> Option<f64> {
+    let named = |name: &str| params.iter().find(|p| p.key == name.trim()).map(|p| &p.value);
     match value {
         Value::Num(v) => Some(*v),
-        Value::Text(name) => match &params.iter().find(|p| p.key == name.trim())?.value {
-            Value::Num(v) => Some(*v),
-            Value::Table(t) => match t.iter().find(|e| e.key == "value")?.value {
-                Value::Num(v) => Some(v),
-                _ => None,
-            },
-            _ => None,
-        },
+        Value::Text(name) => number(named(name)?, &[]),
+        Value::Table(t) => number(&t.iter().find(|e| e.key == "value")?.value, &[]),
         _ => None,
     }
 }

@@ -114,8 +114,13 @@ pub fn batch<S: Sample>(
             if next.is_empty() {
                 return;
             }
-            if next.len() == 1 || shared.together(&mut next).is_none() {
+            if next.len() == 1 {
+                shared.play(&mut next[0]);
+            } else if shared.together(&mut next).is_none() {
                 for slot in &mut next {
+                    // an instance that diverges is silent from there on, whatever was heard of it together with others
+                    slot.sound.fill(S::default());
+                    slot.probed.fill(S::default());
                     shared.play(slot);
                 }
             }
@@ -204,12 +209,12 @@ struct Slot<'r, S> {
 }
 
 impl<S: Sample> Slot<'_, S> {
-    /// Keeps outputs, rows of channels and probes, from sample `first` on.
-    fn keep(&mut self, rows: &[f64], width: usize, level: &mut Level, first: usize) {
-        let (channels, width) = (level.peak.len(), width.max(1));
+    /// Keeps outputs, rows of channels and so many probes, from sample `first` on.
+    fn keep(&mut self, rows: &[f64], probes: usize, level: &mut Level, first: usize) {
+        let channels = level.peak.len();
+        let width = (channels + probes).max(1);
         level.keep_rows(rows, width, &mut self.sound[first * channels..]);
-        let probes = width - channels.min(width);
-        if probes > 0 && !self.probed.is_empty() {
+        if probes > 0 {
             for (row, to) in rows.chunks_exact(width).zip(self.probed[first * probes..].chunks_exact_mut(probes)) {
                 row[channels..].iter().zip(to).for_each(|(x, to)| *to = S::of(*x));
             }
@@ -277,7 +282,7 @@ impl Shared<'_> {
                     own.extend_from_slice(&row[i * channels..][..channels]);
                     own.extend_from_slice(&row[n * channels + i * self.probes..][..self.probes]);
                 }
-                slot.keep(&own, width, level, first);
+                slot.keep(&own, self.probes, level, first);
             }
             if self.stop.load(Relaxed) { Err(()) } else { Ok(()) }
         });
@@ -302,9 +307,6 @@ impl Shared<'_> {
     }
 
     fn played<S: Sample>(&self, slot: &mut Slot<'_, S>, options: &Options) -> Result<(Outcome, f64), Failure> {
-        // what was played with others before it was by itself
-        slot.sound.fill(S::default());
-        slot.probed.fill(S::default());
         let loaded = self.instance(slot.index)?;
         let compiled = load::scene(&loaded, options)?;
         let scene = &compiled.scene;
@@ -315,7 +317,7 @@ impl Shared<'_> {
         }
         let mut level = Level::new(self.channels);
         let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {
-            slot.keep(rows, scene.n_out, &mut level, done as usize - rows.len() / scene.n_out.max(1));
+            slot.keep(rows, probes, &mut level, done as usize - rows.len() / scene.n_out.max(1));
             if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
         })?;
         let outcome = Outcome::of(&played, &level, &compiled, (&loaded, options), self.gesture);

@@ -22,10 +22,10 @@ use ca_compile::{KernelClass, Options};
 use ca_core::scene::{Halves, Location};
 use ca_core::{Scene, State};
 use ca_io::ending::{Ending, RenderOut};
+use ca_io::files::Files;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
-use ca_io::slow::Slow;
 use ca_io::sound::Format;
 use ca_lab::catalog;
 use ca_lab::gesture;
@@ -84,13 +84,14 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
     let ending = Ending { format, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
-    let slow = Slow::new(scene.channels, scene.rate);
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
-    let mut files = play::Files { wav, slow, probes: outs, channels: scene.channels, waiting: Vec::new() };
+    let mut files = Files::new(wav, outs, scene.channels, scene.rate);
     let played = match &halves {
-        Some(h) => play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| files.write(rows))?,
-        None => play(performance, frames, play::BLOCK, show, &mut |_, rows| files.write(rows))?,
+        Some(h) => {
+            play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| Ok(files.write(rows)?))?
+        }
+        None => play(performance, frames, play::BLOCK, show, &mut |_, rows| Ok(files.write(rows)?))?,
     };
     let (ended, slow) = files.finish(played.diverged_at.is_some())?;
     let audited: &Scene = second.as_deref().unwrap_or(&scene);

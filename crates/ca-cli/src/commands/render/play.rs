@@ -3,11 +3,8 @@
 use crate::outcome::Failure;
 use crate::term;
 use ca_core::scene::Halves;
-use ca_io::ending::{Ended, RenderOut};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use ca_io::probe::ProbeOut;
-use ca_io::slow::Slow;
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -95,52 +92,4 @@ pub(crate) fn play_halves<'a>(
     })?;
     progress.end();
     Ok(played)
-}
-
-/// Where the outputs of a render go.
-pub(crate) struct Files {
-    pub wav: RenderOut,
-    pub slow: Slow,
-    /// files of probes, each with the number of its columns
-    pub probes: Vec<(ProbeOut, usize)>,
-    pub channels: usize,
-    /// what waits to be written: sound, then one list for each probe
-    pub waiting: Vec<Vec<f64>>,
-}
-
-impl Files {
-    /// Rows of all outputs.
-    pub fn write(&mut self, rows: &[f64]) -> Result<(), Failure> {
-        if self.probes.is_empty() {
-            self.slow.hear(rows);
-            return Ok(self.wav.write(rows)?);
-        }
-        let columns: usize = self.probes.iter().map(|p| p.1).sum();
-        self.waiting.resize(1 + self.probes.len(), Vec::new());
-        self.waiting.iter_mut().for_each(Vec::clear);
-        for row in rows.chunks_exact(self.channels + columns) {
-            let mut rest = row;
-            let widths = [self.channels].into_iter().chain(self.probes.iter().map(|p| p.1));
-            for (list, n) in self.waiting.iter_mut().zip(widths) {
-                let (own, others) = rest.split_at(n);
-                list.extend_from_slice(own);
-                rest = others;
-            }
-        }
-        self.slow.hear(&self.waiting[0]);
-        self.wav.write(&self.waiting[0])?;
-        for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
-            file.write(values)?;
-        }
-        Ok(())
-    }
-
-    /// Completes all of them.
-    pub fn finish(self, diverged: bool) -> Result<(Ended, Slow), Failure> {
-        let ended = self.wav.finish(diverged)?;
-        for (file, _) in self.probes {
-            file.finish()?;
-        }
-        Ok((ended, self.slow))
-    }
 }

@@ -1,0 +1,67 @@
+//! Files: where the outputs of a render go, sound and probes, and what is measured of the sound on its way.
+//!
+//! Decides that this stands with the files it writes: it looks at every sample, which a command that only calls others does not.
+
+use crate::ending::{Ended, RenderOut};
+use crate::error::FileError;
+use crate::probe::ProbeOut;
+use crate::slow::Slow;
+
+/// The files of a render under way.
+pub struct Files {
+    wav: RenderOut,
+    slow: Slow,
+    /// files of probes, each with the number of its columns
+    probes: Vec<(ProbeOut, usize)>,
+    channels: usize,
+    /// what waits to be written: sound, then one list for each probe
+    waiting: Vec<Vec<f64>>,
+}
+
+impl Files {
+    /// A sound of so many channels at `rate` \[Hz\], and probes, each with the number of its columns.
+    pub fn new(wav: RenderOut, probes: Vec<(ProbeOut, usize)>, channels: usize, rate: f64) -> Files {
+        let waiting = vec![Vec::new(); 1 + probes.len()];
+        Files { wav, slow: Slow::new(channels, rate), probes, channels, waiting }
+    }
+
+    /// Appends rows of all outputs: the channels, then the columns of each probe.
+    ///
+    /// # Errors
+    /// Where a file takes no more, as [`RenderOut::write`] and [`ProbeOut::write`].
+    pub fn write(&mut self, rows: &[f64]) -> Result<(), FileError> {
+        if self.probes.is_empty() {
+            self.slow.hear(rows);
+            return self.wav.write(rows);
+        }
+        let columns: usize = self.probes.iter().map(|p| p.1).sum();
+        self.waiting.iter_mut().for_each(Vec::clear);
+        for row in rows.chunks_exact((self.channels + columns).max(1)) {
+            let mut rest = row;
+            let widths = [self.channels].into_iter().chain(self.probes.iter().map(|p| p.1));
+            for (list, n) in self.waiting.iter_mut().zip(widths) {
+                let (own, others) = rest.split_at(n);
+                list.extend_from_slice(own);
+                rest = others;
+            }
+        }
+        self.slow.hear(&self.waiting[0]);
+        self.wav.write(&self.waiting[0])?;
+        for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
+            file.write(values)?;
+        }
+        Ok(())
+    }
+
+    /// Completes all of them.
+    ///
+    /// # Errors
+    /// As [`RenderOut::finish`] and [`ProbeOut::finish`].
+    pub fn finish(self, diverged: bool) -> Result<(Ended, Slow), FileError> {
+        let ended = self.wav.finish(diverged)?;
+        for (file, _) in self.probes {
+            file.finish()?;
+        }
+        Ok((ended, self.slow))
+    }
+}
