@@ -33,21 +33,21 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
 }
 
-/// Forces at the present positions: from outside, weight, waves, links, and what goes on to others. Links from `late` on need
-/// all of that.
+/// Forces at the present positions: waves, links, from outside, weight, and what goes on to others. Links from `late` on need
+/// all of that. What is from outside comes behind the links, so that a row of links that integrates its masses may have it added.
 pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
     let mut list = Vec::new();
+    if !layout.waves.delays.is_empty() {
+        list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
+    }
+    let late = links.split_off(late);
+    list.extend(links);
     if !layout.enf.is_empty() {
         list.push(Op::pass("ENF", pass::enf::<true>, layout.enf.len()));
     }
     if !layout.weighed.is_empty() {
         list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
     }
-    if !layout.waves.delays.is_empty() {
-        list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
-    }
-    let late = links.split_off(late);
-    list.extend(links);
     if !layout.moving_points.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.moving_points.len()));
     }

@@ -79,13 +79,13 @@ pub fn schedule(
     let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
-    // what stands before the links in the list of forces moves them back; moving points and what is implicit only those
-    // of a later turn
+    // what stands before the links in the list of forces moves them back; what stands behind them only those of a later turn
     let waves = plan.waves(links.mem);
-    let lead = [enf.is_empty(), weighed.is_empty(), waves.delays.is_empty()].iter().filter(|none| !**none).count();
+    let lead = usize::from(!waves.delays.is_empty());
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
-    let back = [!moving_points.is_empty(), !modal.is_empty(), solved[0], solved[1], !solved_modal.list.is_empty()];
-    let back = back.into_iter().filter(|b| *b).count();
+    let outside = [!enf.is_empty(), !weighed.is_empty(), !moving_points.is_empty(), !modal.is_empty()];
+    let solved = [solved[0], solved[1], !solved_modal.list.is_empty()];
+    let back = outside.into_iter().chain(solved).filter(|b| *b).count();
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
     let copies = slow.iter().flat_map(|(_, group, _)| group.ports.iter().map(|p| p.at));

@@ -67,19 +67,24 @@ impl Added {
             }
         }
         for (m, slot) in net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX) {
-            let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
-            if weighed || matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
-                mark(&mut self.whole, *slot, m.slots() as usize);
+            let slots = *slot as usize..*slot as usize + m.slots() as usize;
+            if !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0) {
+                self.behind[slots.clone()].iter_mut().for_each(|b| *b = b.saturating_add(1));
+            }
+            if matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
+                mark(&mut self.whole, *slot, slots.len());
             }
         }
         let read = net.outs.iter().filter_map(|o| match o.tap {
             OutputTap::ForceOn(e) => plan.alive(e, o.axis),
             _ => None,
         });
-        let pushed = net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis));
+        for slot in net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis)) {
+            self.behind[slot as usize] = self.behind[slot as usize].saturating_add(1);
+        }
         let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
         let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
-        read.chain(pushed).chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
+        read.chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
     }
 
     /// The batches that add to a slot, one entry for each force.
