@@ -1,12 +1,16 @@
 //! Forward: a scene with the derivatives of all it begins with, played.
 //!
 //! Decides for as many renders as there are seven parameters begun, one after the other: a number and seven derivatives fill the
-//! vectors of a processor, and a loop over any number of them would be one of loads and stores. What the ports are given
+//! vectors of a processor, and a loop over any number of them would be one of loads and stores. A scene that is linear for the most
+//! part is left to its own passes ([`crate::tangent`]). What the ports are given
 //! is written down beforehand, tick by tick, by the one loop that reads gestures ([`Performance`]); a scene without ports
 //! needs none of it.
 
 use crate::difference::{Start, derivatives};
+use crate::numbers::Numbers;
 use crate::parameter::put_dual;
+use crate::reverse::parts::Parts;
+use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile_dual::load::finish;
 use ca_core_dual::kind::cloud::{Cloud, Clouds, Unread};
@@ -36,6 +40,8 @@ pub struct Forward {
     model: Model,
     catalog: Catalog,
     options: ca_compile_dual::Options,
+    /// plays it by its own passes, if it is linear for the most part
+    tangent: Option<Tangent>,
 }
 
 /// What a scene sounds, and its derivatives. All arrays row by row.
@@ -65,7 +71,43 @@ impl Forward {
     /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
     /// which there are derivatives, or the scene has groups at the gesture rate.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+        Forward::made(loaded, options, wrt, Tangent::is_worth)
+    }
+
+    /// The same by the passes of the scene, of whatever size it is, with dual numbers for links that are not linear alone; `None`
+    /// where something of it is not known that way. Scenes that are small take longer so, and [`Forward::new`] leaves them out.
+    ///
+    /// # Errors
+    /// As [`Forward::new`].
+    pub fn by_passes(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Option<Forward>, Error> {
+        Ok(Some(Forward::made(loaded, options, wrt, |_, _| true)?).filter(|f| f.tangent.is_some()))
+    }
+
+    /// The same by dual numbers for all of a tick: the reference for the other ways.
+    ///
+    /// # Errors
+    /// As [`Forward::new`].
+    pub fn by_dual_numbers(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+        Forward::made(loaded, options, wrt, |_, _| false)
+    }
+
+    /// `by_passes` says of scenes that are known that way whether to go it.
+    fn made(
+        loaded: &Loaded,
+        options: &Options,
+        wrt: &[&str],
+        by_passes: fn(&ca_core::Scene, &Parts) -> bool,
+    ) -> Result<Forward, Error> {
         let (mut forward, mut scene) = Forward::begun(loaded, options, wrt)?;
+        if let Some(parts) = Tangent::parts(&forward.plain).filter(|parts| by_passes(&forward.plain, parts)) {
+            let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
+            let numbers = Numbers::new(loaded, &options, &forward.parameters)?;
+            forward.tangent = Tangent::new(&forward.plain, parts, scene, numbers);
+            if forward.tangent.is_some() {
+                return Ok(forward);
+            }
+            scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
+        }
         let start = Start::of_dual(&mut scene);
         for p in &forward.parameters {
             let other = |value: f64| {
@@ -102,6 +144,7 @@ impl Forward {
             model,
             catalog,
             options,
+            tangent: None,
         };
         let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
         if scene.slow.is_some() {
@@ -216,6 +259,14 @@ impl Forward {
         heard: &mut impl FnMut(usize, &[Dual]),
         goes_on: GoesOn,
     ) -> Result<(), Error> {
+        if let Some(tangent) = &self.tangent {
+            let given = (&played.given[..], played.frames);
+            return tangent.play(&self.plain, given, some, &mut |frame, row| {
+                heard(frame, row);
+                let asks = (frame as u64 + 1).is_multiple_of(BLOCK);
+                if asks && !goes_on() { Err(Error::Stopped) } else { Ok(()) }
+            });
+        }
         let mut scene = self.compiled(&self.model).map_err(Error::Refused)?;
         let columns = &self.derivatives[some];
         let mut i = 0;

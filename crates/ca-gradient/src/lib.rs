@@ -41,8 +41,10 @@
 mod difference;
 mod error;
 mod forward;
+mod numbers;
 mod parameter;
 mod reverse;
+mod tangent;
 
 pub use error::Error;
 pub use forward::{Forward, GoesOn, Tangents};

@@ -12,10 +12,11 @@
 
 use crate::reverse::heard::{Outputs, Owed};
 use crate::reverse::parts::{Basis, Link, Parts, number, unknown};
-use crate::reverse::record::Row;
+use crate::reverse::record::{Record, Row, whole_lines};
 use crate::reverse::single::{Pairs, Single, Way};
-use crate::reverse::sums::{Links, Masses, Tick};
+use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
+use ca_core::numeric::Aligned;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
 
@@ -38,6 +39,11 @@ pub struct Adjoint<'a> {
     listed: Vec<Links>,
     rows: Vec<Links>,
     masses: Masses,
+    /// what was owed to forces in the ticks that are not summed yet, the latest of them first, and their number (any x slots)
+    nu: Aligned,
+    /// the same as listed links have it, where more is owed to these
+    more: Aligned,
+    unsummed: usize,
     /// what is owed to motions at this tick, and at the one after
     motion: [Vec<f64>; 2],
     /// slots where that may be
@@ -106,6 +112,9 @@ impl<'a> Adjoint<'a> {
             listed: parts.linear.iter().filter_map(listed).chain(parts.implicit.iter().filter_map(solved)).collect(),
             rows: parts.rows.iter().flat_map(of_row).filter_map(wanted).collect(),
             masses: Masses::new(n, own),
+            nu: Aligned::zeros(0),
+            more: Aligned::zeros(0),
+            unsummed: 0,
             motion: [vec![0.0; n], vec![0.0; n]],
             moved: Vec::new(),
             sums: vec![0.0; parts.summed.len()],
@@ -126,6 +135,11 @@ impl<'a> Adjoint<'a> {
             place,
         };
         adjoint.moved = adjoint.motions();
+        let room = |wanted: bool| Aligned::zeros(if wanted { TICKS * whole_lines(n) } else { 0 });
+        let own = !adjoint.rows.is_empty() || !adjoint.masses.is_idle();
+        let differs = !parts.summed.is_empty() || !scene.layout.moving_points.is_empty();
+        adjoint.more = room(differs && !adjoint.listed.is_empty());
+        adjoint.nu = room(own || (!differs && !adjoint.listed.is_empty()));
         Ok(adjoint)
     }
 
@@ -146,9 +160,29 @@ impl<'a> Adjoint<'a> {
         all
     }
 
-    /// Goes back over tick `tick`, which began with `row`; `next` are the motions behind it, `owed` what is owed to its samples
-    /// (outputs).
-    pub fn back(&mut self, tick: usize, row: Row, next: &[f64], owed: &[f64]) {
+    /// True where as many ticks wait to be summed as there is room for.
+    pub fn is_full(&self) -> bool {
+        self.unsummed == TICKS
+    }
+
+    /// Sums the ticks that wait for it, the last of which is tick `k` of the stretch.
+    pub fn sum(&mut self, record: &Record, k: usize) {
+        let (n, ticks) = (whole_lines(self.a.x.len()), self.unsummed);
+        let more = if self.more.is_empty() { &self.nu } else { &self.more };
+        let e0 = &self.scene.layout.e0[..];
+        for (all, links, masses) in [(more, &mut self.listed, None), (&self.nu, &mut self.rows, Some(&mut self.masses))]
+        {
+            // the last tick came first
+            let owed = all.get((TICKS - ticks) * n..).unwrap_or_default();
+            let (rows, width, d) = record.rows(k, ticks + 1);
+            let seen = Seen { rows, width, d, owed, slots: n.max(1) };
+            Ticks { links, masses: masses.filter(|m| !m.is_idle()), seen, e0 }.add();
+        }
+        self.unsummed = 0;
+    }
+
+    /// Goes back over tick `tick`, which began with `row`, `owed` being what is owed to its samples (outputs).
+    pub fn back(&mut self, tick: usize, row: Row, owed: &[f64]) {
         let (a, owed_to, place) = (&mut self.a, &mut self.owed, self.place);
         let [now, late] = &mut self.motion;
         // what goes by modes, and what stands between others, is given the forces of these in parts
@@ -231,9 +265,10 @@ impl<'a> Adjoint<'a> {
         for p in &self.scene.layout.enf {
             self.inputs[p.input as usize] += a.x[p.mat as usize];
         }
-        let e0 = &self.scene.layout.e0[..];
-        let (listed, rows, masses) = (&mut self.listed, &mut self.rows, &mut self.masses);
-        Tick { links: listed, masses: None, owed: &a.x, x: row.x, d: row.d, next, e0 }.add();
+        let at = (TICKS - 1 - self.unsummed) * whole_lines(a.x.len());
+        if let Some(to) = self.more.get_mut(at..).and_then(|to| to.get_mut(..a.x.len())) {
+            to.copy_from_slice(&a.x);
+        }
         let mut forced = (tick == 0).then(|| {
             let mut b = a.clone();
             (b.d, b.x) = (b.x, b.d);
@@ -252,8 +287,10 @@ impl<'a> Adjoint<'a> {
         for ([x, d], m) in self.before.iter().copied().zip(summed) {
             (a.x[*m], a.d[*m]) = (x, d);
         }
-        let masses = Some(masses).filter(|m| !m.is_idle());
-        Tick { links: rows, masses, owed: &a.x, x: row.x, d: row.d, next, e0 }.add();
+        if let Some(to) = self.nu.get_mut(at..).and_then(|to| to.get_mut(..a.x.len())) {
+            to.copy_from_slice(&a.x);
+        }
+        self.unsummed += 1;
         for m in &self.moved {
             a.f[*m] += now[*m] - late[*m];
             if let Some(b) = &mut forced {

@@ -131,8 +131,12 @@ pub struct Alone {
     s: State,
     /// what the link at hand reads
     pub given: Vec<f64>,
+    /// the derivatives of each of it
+    pub moving: Vec<[f64; TANGENTS]>,
     /// what a loss owes to each of it
     pub owed: Vec<f64>,
+    /// the derivatives of what it does: the forces on its ends, memory, lengths, and its own force
+    pub done: Vec<[f64; TANGENTS]>,
 }
 
 /// What a loss owes to what a link does.
@@ -187,9 +191,59 @@ impl Alone {
             layout,
             s,
             given: vec![0.0; shape.len()],
+            moving: vec![[0.0; TANGENTS]; shape.len()],
+            done: vec![[0.0; TANGENTS]; slots + shape.mem + shape.ports.len() + 1],
             owed: vec![0.0; shape.len()],
             shape,
         })
+    }
+
+    /// Elongations at which there is no force, of a contact on a line without memory.
+    pub fn idle(&self, op: &Op) -> Option<(f64, f64)> {
+        let sh = &self.shape;
+        let line = sh.ports.len() == 1 && sh.slots == 2;
+        let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last)?;
+        Some((law.idle)(&self.given[sh.coef()..][..sh.coefs]))
+    }
+
+    /// The derivatives of what the link does, by those of what it reads.
+    pub fn carry(&mut self) {
+        if let (true, Some(law)) = (self.direct, self.op.law) {
+            let number = |at: usize| {
+                let mut v = Dual::constant(self.given[at]);
+                v.tangents_mut().copy_from_slice(&self.moving[at]);
+                v
+            };
+            let sh = &self.shape;
+            let e = number(1) - number(0) + number(sh.e0());
+            let w = number(sh.d() + 1) - number(sh.d());
+            let (coefs, mem) = (&mut self.s.coef[3 * sh.slots..], &mut self.s.mem[..]);
+            coefs.iter_mut().zip(sh.coef()..).for_each(|(to, at)| *to = number(at));
+            mem.iter_mut().zip(sh.memory()..).for_each(|(to, at)| *to = number(at));
+            let force = (law.force)(coefs, mem, &self.layout.tables, e, w);
+            self.s.f[0] = force;
+            self.s.f[1] = -force;
+            self.s.tap[0] = force;
+        } else {
+            let s = &mut self.s;
+            let mut at = 0;
+            let mut number = |to: &mut Dual| {
+                *to = Dual::constant(self.given[at]);
+                to.tangents_mut().copy_from_slice(&self.moving[at]);
+                at += 1;
+            };
+            for all in [&mut s.x, &mut s.d, &mut s.f, &mut s.coef] {
+                all.iter_mut().for_each(&mut number);
+            }
+            s.mem.iter_mut().for_each(&mut number);
+            s.lengths.iter_mut().for_each(&mut number);
+            number(&mut self.layout.e0[0]);
+            self.layout.reach.as_flattened_mut().iter_mut().for_each(&mut number);
+            (self.op.kernel)(&self.op, &self.layout, &mut self.s);
+        }
+        let s = &self.s;
+        let all = s.f.iter().chain(&s.mem).chain(s.lengths.iter()).chain(s.tap.iter());
+        self.done.iter_mut().zip(all).for_each(|(to, v)| *to = *v.tangents());
     }
 
     /// What a loss owes to the numbers at `wanted`, by what it owes to all that the link does.

@@ -64,6 +64,19 @@ impl Outputs {
         }
     }
 
+    /// The outputs without a high pass: the index of the gain of each into the coefficients, its channel, what it hears, and whether it
+    /// hears motion; and the number of those that hear forces before it.
+    pub fn gains(&self) -> impl Iterator<Item = (usize, usize, Tap, bool, usize)> {
+        let mut forces = 0;
+        let each = self.all.iter().map(move |h| {
+            let before = forces;
+            forces += usize::from(!matches!(h.tap, Tap::Position(_)));
+            (h, before)
+        });
+        let plain = each.filter(|(h, _)| h.high_pass.is_none());
+        plain.map(|(h, before)| (h.at, h.channel, h.tap, h.motion, before))
+    }
+
     /// What is owed to the channels before their low-pass (frames x outputs).
     pub fn before_low_pass(&self, cotangent: &[f64]) -> Vec<f64> {
         let mut all = cotangent.to_vec();

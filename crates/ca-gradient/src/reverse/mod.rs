@@ -10,27 +10,24 @@
 //! of a scene is had by differences, as there.
 
 mod adjoint;
-mod alone;
-mod heard;
-mod parts;
-mod record;
-mod single;
-mod sums;
+pub(crate) mod alone;
+pub(crate) mod heard;
+pub(crate) mod parts;
+pub(crate) mod record;
+pub(crate) mod single;
+pub(crate) mod sums;
 mod taps;
 
-use crate::difference::{Start, derivatives};
 use crate::forward::{BLOCK, diverged};
-use crate::parameter::put;
+use crate::numbers::Numbers;
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
-use ca_compile::load::finish;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use ca_model::diag::Diags;
-use cordis_anima::{Loaded, Options, catalog};
+use cordis_anima::{Loaded, Options};
 use parts::{Parts, no, number};
 use record::Record;
 
@@ -82,24 +79,8 @@ impl Reverse {
         let (forward, dual) = Forward::begun(loaded, &options, wrt)?;
         let (scene, parameters) = forward.into_parts();
         let parts = Parts::of(&scene).map_err(Error::Refused)?;
-        let mut place = loaded.compile(&options)?.scene;
-        let start = Start::of_plain(&mut place);
-        let kinds = catalog();
-        let bounds = Options { bounds_only: true, clouds: loaded.clouds.clone(), ..options };
-        let mut all = Vec::new();
-        for p in &parameters {
-            let other = |value: f64| {
-                let found = finish(&put(p, &loaded.model, value), Diags::new(), &kinds, &bounds);
-                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| crate::forward::first_of(&diags))
-            };
-            all.push(derivatives(&start, p, &other)?);
-        }
-        let mut count = 0.0;
-        place.numbers(&mut |v| {
-            *v = count;
-            count += 1.0;
-        });
-        let needed: Vec<bool> = (0..start.len()).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
+        let Numbers { place, count, derivatives: all } = Numbers::new(loaded, &options, &parameters)?;
+        let needed: Vec<bool> = (0..count).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
         let reverse = Reverse { dual, parameters, derivatives: all, ports: ports(&scene), parts, place, needed, scene };
         reverse.check().map_err(Error::Refused)?;
         Ok(reverse)
@@ -262,7 +243,7 @@ impl Reverse {
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];
         let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
-        let mut record = Record::new(scene, &self.parts, stretch, filters);
+        let mut record = Record::new(scene, &self.parts, stretch, [filters, false]);
         let mut asked = 0;
         for (k, mut s) in kept.into_iter().enumerate().rev() {
             let first = k * stretch;
@@ -270,9 +251,11 @@ impl Reverse {
             record.play(scene, &self.parts, &mut s, &given[first * inputs..][..ticks * inputs], ticks);
             for i in (0..ticks).rev() {
                 let tick = first + i;
-                let next = record.row(i + 1).d;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
-                back.back(tick, record.row(i), next, owed);
+                back.back(tick, record.row(i), owed);
+                if back.is_full() || i == 0 {
+                    back.sum(&record, i);
+                }
                 // a frame that the sound cuts short ends with its last sample
                 let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
                 self.drive(tick, &given, &mut back, |sample, input, owed| {

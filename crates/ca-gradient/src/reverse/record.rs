@@ -1,6 +1,7 @@
 //! Record: a stretch of ticks, played once more for the way back.
 
 use crate::reverse::parts::Parts;
+use ca_core::numeric::Aligned;
 use ca_core::op::Op;
 use ca_core::op::layout::Tap;
 use ca_core::{Scene, State};
@@ -30,18 +31,25 @@ pub struct Row<'a> {
     pub passed: &'a [f64],
 }
 
+/// So many numbers that what comes behind them begins at a cache line too: else each vector is read from two.
+pub fn whole_lines(n: usize) -> usize {
+    n.next_multiple_of(8)
+}
+
 /// So many ticks one after the other, and the places and motions behind the last.
 pub struct Record {
     /// where the numbers of each kind stand in those of a tick, in the order of [`Row`]
     kinds: [Range<usize>; 10],
     /// numbers of a tick
     width: usize,
-    all: Vec<f64>,
+    all: Aligned,
+    /// outputs are played too
+    writes: bool,
 }
 
 impl Record {
-    /// Room for so many ticks of a scene; with what its `filters` hold.
-    pub fn new(scene: &Scene, parts: &Parts, ticks: usize, filters: bool) -> Record {
+    /// Room for so many ticks of a scene; with what its `filters` hold. Outputs are played where these are, or where they are `heard`.
+    pub fn new(scene: &Scene, parts: &Parts, ticks: usize, [filters, heard]: [bool; 2]) -> Record {
         let (l, start) = (&scene.layout, &scene.initial);
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
         let (mem, lengths) = if remembers { (start.mem.len(), start.lengths.len()) } else { (0, 0) };
@@ -51,10 +59,11 @@ impl Record {
         let mut width = 0;
         let kinds = [l.n_mat, l.n_mat, mem, lengths, sums, parts.hears.len(), cells, driven, l.modal.len(), passed]
             .map(|n| {
-                width += n;
-                width - n..width
+                let first = width;
+                width += whole_lines(n);
+                first..first + n
             });
-        Record { kinds, width, all: vec![0.0; (ticks + 1) * width] }
+        Record { kinds, width, all: Aligned::zeros((ticks + 1) * width), writes: filters || heard }
     }
 
     /// What tick `k` of the stretch began with.
@@ -74,6 +83,11 @@ impl Record {
             modal: of(modal),
             passed: of(passed),
         }
+    }
+
+    /// All numbers of `n` ticks from `k` on, how many a tick has, and where its motions stand; its places come first.
+    pub fn rows(&self, k: usize, n: usize) -> (&[f64], usize, usize) {
+        (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)
     }
 
     /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
@@ -141,6 +155,8 @@ impl Record {
             }
             if !passed.is_empty() {
                 row[passed.clone()].copy_from_slice(s.blocked.as_flattened());
+            }
+            if self.writes {
                 run(&scene.writes, s);
             }
             run(&scene.moves, s);

@@ -1,6 +1,6 @@
 //! Single: links that are run alone, on the way back over a tick.
 
-use crate::reverse::alone::{Alone, Owed, Port};
+use crate::reverse::alone::{Alone, Owed, Port, Shape};
 use crate::reverse::parts::{Link, number};
 use crate::reverse::record::Row;
 use ca_core::op::{MeasureKind, Op};
@@ -21,6 +21,41 @@ pub struct Way<'w> {
     pub owed: &'w mut [f64],
     /// what is owed to coefficients that ports drive, as they are at this tick
     pub driven: &'w mut [f64],
+}
+
+/// What a link that is run alone reads of a scene.
+pub struct Reads {
+    /// numbers: index into what it reads, the number, and its place among the numbers of the scene
+    pub numbers: Vec<(usize, f64, f64)>,
+    /// where the last lengths of its ports stand
+    pub lengths: Vec<usize>,
+}
+
+/// What a link of this `shape` reads; `place` is the scene with each number replaced by its place among them.
+pub fn reads(scene: &Scene, place: &Scene, link: &Link, sh: &Shape) -> Reads {
+    let op = &scene.forces[link.op];
+    let (n, i) = (scene.layout.n_mat, link.i);
+    let lengths: Vec<usize> =
+        [Some(op.ports.reach), op.ports.onto.map(|o| o.2)].into_iter().flatten().map(|r| r + i).collect();
+    let mut numbers: Vec<(usize, f64, f64)> = Vec::new();
+    let coefs = [&scene.initial.coef, &place.initial.coef];
+    let mut number_at = |k: usize, [v, at]: [f64; 2]| numbers.push((k, v, at));
+    for k in 0..sh.coefs {
+        number_at(sh.coef() + k, coefs.map(|c| c[op.coef + k * op.n + i]));
+    }
+    number_at(sh.e0(), [scene, place].map(|s| s.layout.e0[op.first + i]));
+    for (which, (p, r)) in sh.ports.iter().zip(&lengths).enumerate().filter(|(_, (p, _))| p.axes > 1) {
+        debug_assert_eq!(p.axes, 3);
+        for k in 0..4 {
+            number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.reach[*r][k]));
+        }
+    }
+    for (k, slot) in link.slots.iter().enumerate() {
+        for which in 0..3 {
+            number_at(sh.own() + which * sh.slots + k, coefs.map(|c| c[which * n + slot]));
+        }
+    }
+    Reads { numbers, lengths }
 }
 
 /// A link that is run alone, with its numbers.
@@ -54,27 +89,8 @@ impl Single {
     ) -> Option<Single> {
         let op = &scene.forces[link.op];
         let mut alone = Alone::new(op, dual)?;
-        let (sh, n, i) = (&alone.shape, scene.layout.n_mat, link.i);
-        let reaches: Vec<usize> =
-            [Some(op.ports.reach), op.ports.onto.map(|o| o.2)].into_iter().flatten().map(|r| r + i).collect();
-        let mut all: Vec<(usize, f64, f64)> = Vec::new();
-        let coefs = [&scene.initial.coef, &place.initial.coef];
-        let mut number_at = |k: usize, [v, at]: [f64; 2]| all.push((k, v, at));
-        for k in 0..sh.coefs {
-            number_at(sh.coef() + k, coefs.map(|c| c[op.coef + k * op.n + i]));
-        }
-        number_at(sh.e0(), [scene, place].map(|s| s.layout.e0[op.first + i]));
-        for (which, (p, r)) in sh.ports.iter().zip(&reaches).enumerate().filter(|(_, (p, _))| p.axes > 1) {
-            debug_assert_eq!(p.axes, 3);
-            for k in 0..4 {
-                number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.reach[*r][k]));
-            }
-        }
-        for (k, slot) in link.slots.iter().enumerate() {
-            for which in 0..3 {
-                number_at(sh.own() + which * sh.slots + k, coefs.map(|c| c[which * n + slot]));
-            }
-        }
+        let i = link.i;
+        let Reads { numbers: all, lengths: reaches } = reads(scene, place, link, &alone.shape);
         for (k, v, _) in &all {
             alone.given[*k] = *v;
         }
@@ -89,9 +105,7 @@ impl Single {
         let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
         let known = || numbers.iter().chain(&driven).map(|n| n.0);
         let wanted = [false, true].map(|motions| sh.carried(motions).into_iter().chain(known()).collect());
-        let line = sh.ports.len() == 1 && sh.slots == 2;
-        let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last && driven.is_empty());
-        let idle = law.map(|law| (law.idle)(&alone.given[sh.coef()..][..sh.coefs]));
+        let idle = alone.idle(op).filter(|_| driven.is_empty());
         Some(Single {
             mem: op.mem + i * sh.mem,
             lengths: reaches,

@@ -2,28 +2,29 @@
 //!
 //! With φ what it owes to the force of a link, F = Σ c (α e + β w) makes it owe φ(α e + β w) to c: the sums of φe and of φw are
 //! all that is kept. A mass moves by d' = P d + Q x + C f, so that with ν, which is C times what the loss owes to d', the
-//! sums of νd, νx and νd' are. Decides to sum over rows of links as over whole vectors, since no other part takes as long; and only
-//! what some parameter changes.
+//! sums of νd, νx and νd' are. Decides to take some ticks together: eight links or masses at a time stay in registers while all of these ticks go by,
+//! since to read and write their sums in each takes longer than the tick itself. Only what some parameter changes is summed.
 
 use crate::reverse::parts::Basis;
 use ca_core::Scene;
 use ca_core::op::{Band, Op};
 use ca_core::state::Fold;
 use pulp::Arch;
+use std::ops::Range;
 
 /// What is owed to the force of the links of a pass, and its products.
 pub struct Links {
     /// what its law is made of
     pub basis: Basis,
     /// rows of links: how many, and the slots of the two ends of the first; none where ends are looked up
-    rows: Vec<(usize, [usize; 2])>,
+    pub rows: Vec<(usize, [usize; 2])>,
     /// index of its first coefficient, and of its first constant elongation
     pub coef: usize,
     pub first: usize,
     /// links
     pub n: usize,
     /// slots of the ends of links that are in no row
-    ends: Vec<[u32; 2]>,
+    pub ends: Vec<[u32; 2]>,
     /// sums of φe and φw, where a coefficient is to have its due
     pub products: [Vec<f64>; 2],
     /// of implicit links, sums of φ with the change of elongation in the tick that follows
@@ -80,65 +81,84 @@ impl Links {
         self.products[0].is_empty() && self.alone.is_empty()
     }
 
-    /// Adds a tick: `owed` to the force on each slot, places and motions at it.
+    /// Adds some ticks of the links of rows whose first ends are among these slots.
     #[inline(always)]
-    fn add(&mut self, owed: &[f64], x: &[f64], [d, next]: [&[f64]; 2], e0: &[f64]) {
+    fn add(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
         let e0 = &e0[self.first..][..self.n];
-        let [by_e, by_w] = &mut self.products;
-        let (products, alone) = (!by_e.is_empty(), !self.alone.is_empty());
-        let ahead = &mut self.ahead;
         let mut from = 0;
-        for (n, [a, b]) in &self.rows {
-            let (a, b, some) = (*a..*a + n, *b..*b + n, from..from + n);
-            let phi = [&owed[a.clone()], &owed[b.clone()]];
-            if products {
-                if !ahead.is_empty() {
-                    for (i, sum) in ahead[some.clone()].iter_mut().enumerate() {
-                        *sum += (phi[0][i] - phi[1][i]) * (next[b.start + i] - next[a.start + i]);
+        for row in 0..self.rows.len() {
+            let (n, [a, b]) = self.rows[row];
+            let mut i = slots.start.saturating_sub(a).next_multiple_of(LANES);
+            while i < n && a + i < slots.end {
+                if i + LANES <= n {
+                    self.some::<LANES>(ticks, e0, [a + i, b + i], from + i);
+                } else {
+                    for i in i..n {
+                        self.some::<1>(ticks, e0, [a + i, b + i], from + i);
                     }
                 }
-                let ends = [&x[a.clone()], &x[b.clone()], &d[a], &d[b]];
-                row(phi, ends, &e0[some.clone()], [&mut by_e[some.clone()], &mut by_w[some.clone()]]);
-            }
-            if alone {
-                differences(phi, &mut self.alone[some]);
+                i += LANES;
             }
             from += n;
         }
-        for (i, [a, b]) in self.ends.iter().enumerate() {
-            let (a, b) = (*a as usize, *b as usize);
-            let phi = owed[a] - owed[b];
-            if products {
-                by_e[i] += phi * (x[b] - x[a] + e0[i]);
-                by_w[i] += phi * (d[b] - d[a]);
-                if let Some(sum) = ahead.get_mut(i) {
-                    *sum += phi * (next[b] - next[a]);
+    }
+
+    /// The same of links that are in no row.
+    #[inline(always)]
+    fn add_listed(&mut self, ticks: &Seen, e0: &[f64]) {
+        let e0 = &e0[self.first..][..self.n];
+        for i in 0..self.ends.len() {
+            self.some::<1>(ticks, e0, self.ends[i].map(|m| m as usize), i);
+        }
+    }
+
+    /// Adds some ticks of `N` links of a row, the first of which has these ends and is the one at `at`.
+    #[inline(always)]
+    fn some<const N: usize>(&mut self, ticks: &Seen, e0: &[f64], [a, b]: [usize; 2], at: usize) {
+        let Some(e0) = lanes::<N>(e0, at) else { return };
+        let [mut by_e, mut by_w, mut alone] = [[0.0; N]; 3];
+        for [now, _, owed] in ticks.each() {
+            let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+            let (Some(xa), Some(xb)) = (lanes::<N>(now, a), lanes::<N>(now, b)) else { break };
+            let (Some(da), Some(db)) = (lanes::<N>(now, ticks.d + a), lanes::<N>(now, ticks.d + b)) else { break };
+            for i in 0..N {
+                let phi = oa[i] - ob[i];
+                alone[i] += phi;
+                by_e[i] += phi * (xb[i] - xa[i] + e0[i]);
+                by_w[i] += phi * (db[i] - da[i]);
+            }
+        }
+        let [to_e, to_w] = &mut self.products;
+        put(to_e, at, by_e);
+        put(to_w, at, by_w);
+        put(&mut self.alone, at, alone);
+        if !self.ahead.is_empty() {
+            let mut ahead = [0.0; N];
+            for [_, next, owed] in ticks.each() {
+                let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+                let (Some(na), Some(nb)) = (lanes::<N>(next, ticks.d + a), lanes::<N>(next, ticks.d + b)) else {
+                    break;
+                };
+                for i in 0..N {
+                    ahead[i] += (oa[i] - ob[i]) * (nb[i] - na[i]);
                 }
             }
-            if alone {
-                self.alone[i] += phi;
-            }
+            put(&mut self.ahead, at, ahead);
         }
     }
 }
 
-/// A row of links; a function of its own, so that the compiler knows that what is written is none of what is read.
+/// Numbers of a slice from one on.
 #[inline(always)]
-fn row([oa, ob]: [&[f64]; 2], [xa, xb, da, db]: [&[f64]; 4], e0: &[f64], [by_e, by_w]: [&mut [f64]; 2]) {
-    let n = by_e.len();
-    let (oa, ob, xa, xb, da, db) = (&oa[..n], &ob[..n], &xa[..n], &xb[..n], &da[..n], &db[..n]);
-    let (e0, by_w) = (&e0[..n], &mut by_w[..n]);
-    for i in 0..n {
-        let phi = oa[i] - ob[i];
-        by_e[i] += phi * (xb[i] - xa[i] + e0[i]);
-        by_w[i] += phi * (db[i] - da[i]);
-    }
+fn lanes<const N: usize>(of: &[f64], at: usize) -> Option<&[f64; N]> {
+    of.get(at..)?.first_chunk()
 }
 
+/// Adds numbers to sums, where there are such.
 #[inline(always)]
-fn differences([a, b]: [&[f64]; 2], sums: &mut [f64]) {
-    for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-        *sum += a - b;
+fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N]) {
+    if let Some(sums) = sums.get_mut(at..).and_then(|sums| sums.first_chunk_mut::<N>()) {
+        sums.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
     }
 }
 
@@ -160,63 +180,80 @@ impl Masses {
         self.sums.iter().all(Vec::is_empty)
     }
 
-    /// Adds a tick: ν, then d, x and d' of all slots.
+    /// Adds some ticks of these slots.
     #[inline(always)]
-    fn add(&mut self, nu: &[f64], d: &[f64], x: &[f64], next: &[f64]) {
-        let [by_d, by_x, by_next] = &mut self.sums;
-        let n = nu.len();
-        if by_d.len() == n && by_x.len() == n && by_next.len() == n {
-            masses(nu, [d, x, next], [by_d, by_x, by_next]);
-            return;
+    fn add(&mut self, ticks: &Seen, slots: &Range<usize>) {
+        let n = self.sums.iter().map(Vec::len).max().unwrap_or(0).min(slots.end);
+        let mut i = slots.start;
+        while i + LANES <= n {
+            self.some::<LANES>(ticks, i);
+            i += LANES;
         }
-        if by_d.len() == n {
-            products(nu, d, by_d);
+        while i < n {
+            self.some::<1>(ticks, i);
+            i += 1;
         }
-        if by_x.len() == n {
-            products(nu, x, by_x);
+    }
+
+    /// Adds some ticks of `N` masses.
+    #[inline(always)]
+    fn some<const N: usize>(&mut self, ticks: &Seen, at: usize) {
+        let mut sums = [[0.0; N]; 3];
+        for [now, next, owed] in ticks.each() {
+            let (Some(nu), Some(x)) = (lanes::<N>(owed, at), lanes::<N>(now, at)) else { break };
+            let (Some(d), Some(next)) = (lanes::<N>(now, ticks.d + at), lanes::<N>(next, ticks.d + at)) else { break };
+            for i in 0..N {
+                sums[0][i] += nu[i] * d[i];
+                sums[1][i] += nu[i] * x[i];
+                sums[2][i] += nu[i] * next[i];
+            }
         }
+        self.sums.iter_mut().zip(sums).for_each(|(to, by)| put(to, at, by));
     }
 }
 
-/// All three; a function of its own, so that the compiler knows that what is written is none of what is read.
-#[inline(always)]
-fn masses(nu: &[f64], [d, x, next]: [&[f64]; 3], [by_d, by_x, by_next]: [&mut [f64]; 3]) {
-    let n = nu.len();
-    let (d, x, next) = (&d[..n], &x[..n], &next[..n]);
-    let (by_d, by_x, by_next) = (&mut by_d[..n], &mut by_x[..n], &mut by_next[..n]);
-    for i in 0..n {
-        by_d[i] += nu[i] * d[i];
-        by_x[i] += nu[i] * x[i];
-        by_next[i] += nu[i] * next[i];
+/// Slots that all sums go by before the next: what they have in the ticks that are summed together stays in the nearest cache.
+const SLOTS: usize = 64;
+/// Ticks that are summed together.
+pub const TICKS: usize = 16;
+/// Links or masses side by side.
+const LANES: usize = 8;
+
+/// What is seen of some ticks, one behind the other and each in as many numbers, so that where these stand is known once.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// places and motions, those behind the last tick too (ticks + 1)
+    pub rows: &'a [f64],
+    /// numbers of a tick in these, and where its motions stand
+    pub width: usize,
+    pub d: usize,
+    /// what is owed to the forces on slots (ticks)
+    pub owed: &'a [f64],
+    /// numbers of a tick in these
+    pub slots: usize,
+}
+
+impl<'a> Seen<'a> {
+    /// Each tick: its places and motions, those behind it, and what is owed.
+    #[inline(always)]
+    fn each(&self) -> impl Iterator<Item = [&'a [f64]; 3]> + use<'a> {
+        let rows = self.rows.chunks_exact(self.width);
+        let behind = rows.clone().skip(1);
+        rows.zip(behind).zip(self.owed.chunks_exact(self.slots)).map(|((now, next), owed)| [now, next, owed])
     }
 }
 
-#[inline(always)]
-fn products(nu: &[f64], of: &[f64], sums: &mut [f64]) {
-    let n = nu.len();
-    let (of, sums) = (&of[..n], &mut sums[..n]);
-    for i in 0..n {
-        sums[i] += nu[i] * of[i];
-    }
-}
-
-/// One tick, of links and of masses, with the widest vectors of this processor. Everything it calls must be inlined into it, or it
+/// Some ticks, of links and of masses, with the widest vectors of this processor. Everything it calls must be inlined into it, or it
 /// stays narrow.
-pub struct Tick<'a> {
-    /// links, each list with what is owed to the force on each slot
+pub struct Ticks<'a> {
     pub links: &'a mut [Links],
     pub masses: Option<&'a mut Masses>,
-    /// what is owed to the forces on slots
-    pub owed: &'a [f64],
-    pub x: &'a [f64],
-    pub d: &'a [f64],
-    /// motions behind the tick
-    pub next: &'a [f64],
+    pub seen: Seen<'a>,
     pub e0: &'a [f64],
 }
 
-impl Tick<'_> {
-    /// Adds it to all sums.
+impl Ticks<'_> {
+    /// Adds them to all sums.
     #[inline]
     pub fn add(self) {
         if !self.links.is_empty() || self.masses.is_some() {
@@ -225,15 +262,22 @@ impl Tick<'_> {
     }
 }
 
-impl pulp::WithSimd for Tick<'_> {
+impl pulp::WithSimd for Ticks<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        for l in self.links {
-            l.add(self.owed, self.x, [self.d, self.next], self.e0);
+        let Ticks { links, mut masses, seen: ticks, e0 } = self;
+        for first in (0..ticks.slots).step_by(SLOTS) {
+            let slots = first..first + SLOTS;
+            for l in links.iter_mut() {
+                l.add(&ticks, e0, &slots);
+            }
+            if let Some(m) = &mut masses {
+                m.add(&ticks, &slots);
+            }
         }
-        if let Some(m) = self.masses {
-            m.add(self.owed, self.d, self.x, self.next);
+        for l in links {
+            l.add_listed(&ticks, e0);
         }
     }
 }

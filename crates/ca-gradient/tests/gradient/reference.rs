@@ -22,7 +22,7 @@ pub fn read(text: &str) -> Loaded {
 /// The tangents of `ticks` samples.
 pub fn tangents(loaded: &Loaded, ticks: usize, wrt: &[&str]) -> Tangents {
     let text = cordis_anima::ca_model::write::write(&loaded.model);
-    let forward = Forward::new(loaded, &Options::default(), wrt).unwrap_or_else(|e| panic!("{text}\n{e}"));
+    let forward = Forward::by_dual_numbers(loaded, &Options::default(), wrt).unwrap_or_else(|e| panic!("{text}\n{e}"));
     forward.tangents(Some(ticks as f64 / forward.rate()), None, &mut || true).unwrap_or_else(|e| panic!("{text}\n{e}"))
 }
 

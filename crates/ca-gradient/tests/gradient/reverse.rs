@@ -13,6 +13,7 @@ pub fn both_ways(title: &str, loaded: &Loaded, t: &Tangents, wrong: &mut Vec<Str
 
 fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong: &mut Vec<String>) -> bool {
     let names: Vec<&str> = t.parameters.iter().map(|p| p.name.as_str()).collect();
+    by_passes(title, loaded, t, most, wrong);
     let reverse = match Reverse::new(loaded, &Options::default(), &names) {
         Ok(reverse) => reverse,
         Err(e) => {
@@ -34,6 +35,52 @@ fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong
     }
     println!("{title}: reverse {worst:.1e} from forward");
     true
+}
+
+/// Compares forward mode by the passes of a scene with that by dual numbers, where it is known.
+fn by_passes(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong: &mut Vec<String>) {
+    let names: Vec<&str> = t.parameters.iter().map(|p| p.name.as_str()).collect();
+    let forward = Forward::by_passes(loaded, &Options::default(), &names).unwrap_or_else(|e| panic!("{title}: {e}"));
+    let Some(forward) = forward else { return };
+    let seconds = Some(t.frames as f64 / t.rate);
+    let found = forward.tangents(seconds, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    assert_eq!(found.output, t.output, "{title}: what is heard has other bits");
+    let loud = t.output.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let mut worst = 0.0_f64;
+    for (k, p) in t.parameters.iter().enumerate() {
+        let (own, other) = (column(t, k), column(&found, k));
+        let size = own.iter().fold(0.0, |most: f64, v| most.max(v.abs())) + loud / p.value.abs().max(1e-3);
+        let each = own.iter().zip(&other).map(|(a, b)| (a - b).abs());
+        let off = each.fold(0.0, f64::max) / size.max(f64::MIN_POSITIVE);
+        worst = worst.max(off);
+        let close = off < most;
+        wrong.extend((!close).then(|| format!("{title}: by {} {off:.1e} by passes from dual numbers", p.name)));
+    }
+    println!("{title}: by passes {worst:.1e} from dual numbers");
+}
+
+/// Forward mode leaves a string and a skin that are struck to their passes, and what is known that way alone.
+#[test]
+fn what_is_linear_for_the_most_part_goes_by_passes() {
+    let (mut wrong, struck) = (
+        Vec::new(),
+        "[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nhit = { between = ['ball', 'low[9]'], k = '9 kN/m', z = '0.3 N s/m' }\n[SOX]\nout = { from = 'low[3]', gain = 300 }\n",
+    );
+    for low in [
+        "[STRING]\nlow = { n = 90, f = '110 Hz', t60 = '1 s', m = '2 g' }\n",
+        "[MESH]\nlow = { nx = 9, ny = 10, f = '200 Hz', t60 = '0.5 s', m = '9 g' }\n",
+    ] {
+        let loaded = read(&format!("{low}{struck}"));
+        let names = ["low.f", "low.t60", "low.m", "hit.k", "hit.z", "ball.m", "ball.v", "ball.x", "out.gain"];
+        let known = Forward::by_passes(&loaded, &Options::default(), &names).expect("derivatives");
+        assert!(known.is_some(), "{low}");
+        by_passes(low, &loaded, &tangents(&loaded, 1500, &names), 1e-10, &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    let wave = read(
+        "[MAS]\nball = { m = '5 g', dx0 = '1 mm' }\n[WAVEGUIDE]\nlow = { f = '110 Hz', t60 = '6 s', t60_high = '3 s', f_high = '4.4 kHz', tension = '70 N', mu = '4 g/m', at = [0.12, 0.5], m = '5 mg' }\n[RES]\ntie = { between = ['ball', 'low[0]'], k = '1 kN/m' }\n[SOX]\nout = { from = 'ball' }\n",
+    );
+    assert!(Forward::by_passes(&wave, &Options::default(), &["ball.m"]).expect("derivatives").is_none());
 }
 
 /// What stands between masses and outputs, and ways a scene is laid out.
@@ -154,7 +201,8 @@ fn bundled_instruments_go_back_as_they_go_forward() {
         if !SOON.contains(&&title[..]) {
             continue;
         }
-        let forward = Forward::new(&loaded, &Options::default(), &names).unwrap_or_else(|e| panic!("{title}: {e}"));
+        let forward =
+            Forward::by_dual_numbers(&loaded, &Options::default(), &names).unwrap_or_else(|e| panic!("{title}: {e}"));
         let seconds = Some(4000.0 / forward.rate());
         let t = forward.tangents(seconds, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
         heard += usize::from(t.tangents.iter().any(|v| *v != 0.0));

@@ -1,0 +1,46 @@
+//! Numbers: those that a scene begins with, their places in a list, and their derivatives.
+
+use crate::difference::{Start, derivatives};
+use crate::parameter::put;
+use crate::{Error, Parameter};
+use ca_compile::load::finish;
+use ca_core::Scene;
+use ca_model::diag::Diags;
+use cordis_anima::{Loaded, Options, catalog};
+
+/// The numbers of a scene.
+pub struct Numbers {
+    /// the scene, each of its numbers replaced by its place among them
+    pub place: Scene,
+    /// how many there are
+    pub count: usize,
+    /// their derivatives by each parameter
+    pub derivatives: Vec<Vec<f64>>,
+}
+
+impl Numbers {
+    /// Those of a model, compiled with these options.
+    ///
+    /// # Errors
+    /// Where the model has errors, or there is no derivative by one of the `parameters`.
+    pub fn new(loaded: &Loaded, options: &Options, parameters: &[Parameter]) -> Result<Numbers, Error> {
+        let mut place = loaded.compile(options)?.scene;
+        let start = Start::of_plain(&mut place);
+        let kinds = catalog();
+        let bounds = Options { bounds_only: true, clouds: loaded.clouds.clone(), ..options.clone() };
+        let mut all = Vec::new();
+        for p in parameters {
+            let other = |value: f64| {
+                let found = finish(&put(p, &loaded.model, value), Diags::new(), &kinds, &bounds);
+                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| crate::forward::first_of(&diags))
+            };
+            all.push(derivatives(&start, p, &other)?);
+        }
+        let mut count = 0.0;
+        place.numbers(&mut |v| {
+            *v = count;
+            count += 1.0;
+        });
+        Ok(Numbers { place, count: start.len(), derivatives: all })
+    }
+}

@@ -1,0 +1,44 @@
+//! Gains: what changed gains of outputs add to the derivatives of what is heard.
+
+use crate::reverse::heard::Outputs;
+use crate::reverse::parts::number;
+use crate::reverse::record::Row;
+use ca_core::op::layout::Tap;
+use ca_core::{Scene, State};
+
+/// An output whose gain some parameter changes.
+struct Gain {
+    channel: usize,
+    tap: Tap,
+    motion: bool,
+    /// its place among the forces that are heard
+    force: usize,
+    /// derivatives of its gain (parameters)
+    by: Vec<f64>,
+}
+
+/// All of a scene.
+pub struct Gains(Vec<Gain>);
+
+impl Gains {
+    /// Those that the parameters change whose derivatives of the numbers are `columns`.
+    pub fn new(scene: &Scene, place: &Scene, columns: &[&[f64]]) -> Gains {
+        let gain = |(at, channel, tap, motion, force): (usize, usize, Tap, bool, usize)| {
+            let by = columns.iter().map(|column| column[number(place.initial.coef[at])]).collect();
+            Gain { channel, tap, motion, force, by }
+        };
+        Gains(Outputs::of(scene).gains().map(gain).filter(|g| g.by.iter().any(|v| *v != 0.0)).collect())
+    }
+
+    /// Adds to what is heard of the derivatives by parameter `q` in a tick, which began with `row`.
+    pub fn add(&self, row: &Row, q: usize, to: &mut State) {
+        for g in &self.0 {
+            let raw = match g.tap {
+                Tap::Position(m) if g.motion => row.d[m as usize],
+                Tap::Position(m) => row.x[m as usize],
+                Tap::ForceOn(_) | Tap::ForceOf(_) => row.heard[g.force],
+            };
+            to.output[g.channel] += g.by[q] * raw;
+        }
+    }
+}

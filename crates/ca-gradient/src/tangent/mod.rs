@@ -1,0 +1,209 @@
+//! Tangent: the derivatives of a scene that is linear for the most part, played by its own passes.
+//!
+//! Decides against dual numbers for all of a tick, in which every number of a long string has seven derivatives beside it and no
+//! pass is as it would be in a render. What a linear part makes of derivatives is what it makes of places: so its passes play the
+//! derivatives by each parameter as a state of its own, in their layout and as fast. Links that are not linear are
+//! run alone over dual numbers ([`link`]), once for seven parameters, and what a parameter changes of the numbers of linear ones is added
+//! as forces ([`added`]). What this cannot do goes by dual numbers, as do scenes that are small or have many links that are not linear.
+
+mod added;
+mod gains;
+mod link;
+
+use crate::Error;
+use crate::numbers::Numbers;
+use crate::reverse::heard::Outputs;
+use crate::reverse::parts::{Link, Parts, number};
+use crate::reverse::record::Record;
+use added::Added;
+use ca_core::numeric::Aligned;
+use ca_core::op::layout::Layout;
+use ca_core::{Scene, State};
+use ca_core_dual::numeric::Dual;
+use ca_io::perform::DIVERGED;
+use gains::Gains;
+use link::Moving;
+
+/// A scene has to have so many masses, and so many for each link that is run alone: less are as fast by dual numbers.
+const MASSES: usize = 16;
+const MASSES_FOR_LINK: usize = 8;
+
+/// A scene whose derivatives are played by its own passes.
+pub struct Tangent {
+    parts: Parts,
+    dual: ca_core_dual::Scene,
+    numbers: Numbers,
+    /// that of the scene, without constant elongations
+    layout: Layout,
+}
+
+impl Tangent {
+    /// True where dual numbers for all of a tick would take longer.
+    pub fn is_worth(scene: &Scene, parts: &Parts) -> bool {
+        let alone = parts.links.len() + parts.last.len();
+        scene.layout.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
+    }
+
+    /// The parts of a scene, if it has none that is not known here.
+    pub fn parts(scene: &Scene) -> Option<Parts> {
+        let parts = Parts::of(scene).ok()?;
+        let l = &scene.layout;
+        let known = scene.before.is_none()
+            && l.moving_points.is_empty()
+            && parts.modal.is_none()
+            && parts.solves.is_empty()
+            && parts.sets.is_empty()
+            && parts.driven.is_empty();
+        known.then_some(parts)
+    }
+
+    /// The scene with these `numbers`, if there are derivatives by no others than are known here.
+    pub fn new(scene: &Scene, parts: Parts, dual: ca_core_dual::Scene, numbers: Numbers) -> Option<Tangent> {
+        let mut layout = scene.layout.clone();
+        layout.e0.fill(0.0);
+        layout.heard.iter_mut().for_each(|h| h.e0 = 0.0);
+        let tangent = Tangent { parts, dual, numbers, layout };
+        tangent.knows_all(scene)?.then_some(tangent)
+    }
+
+    /// True where each number that some parameter changes is one of those at hand; `None` where a link has no law to be run alone by.
+    fn knows_all(&self, scene: &Scene) -> Option<bool> {
+        let place = &self.numbers.place;
+        let (start, l) = (&place.initial, &place.layout);
+        let mut known = vec![false; self.numbers.count];
+        let mut know = |all: &[f64]| all.iter().for_each(|v| known[number(*v)] = true);
+        for all in [&start.x, &start.d] {
+            know(all);
+        }
+        // where masses rest is read by sets alone, and there are none
+        know(&l.rest);
+        know(&start.mem);
+        know(&start.lengths);
+        know(&start.coef[..3 * l.n_mat]);
+        Outputs::of(scene).gains().for_each(|(at, ..)| know(&start.coef[at..][..1]));
+        for k in &self.parts.weights {
+            let op = &scene.forces[*k];
+            know(&start.coef[op.coef..][..op.n]);
+        }
+        // of links that are heard not only the passes read these
+        let listed = self.parts.linear.iter().map(|(k, _)| &scene.forces[*k]).filter(|op| !op.form.tap);
+        let heard = |op: &&ca_core::op::Op| l.heard.is_empty() || op.law.is_none();
+        let rows = self.parts.rows.iter().map(|(k, _)| &scene.moves[*k]).filter(heard);
+        for op in listed.chain(rows) {
+            let passes = if op.form.band == ca_core::op::Band::None { 1 } else { 2 };
+            know(&start.coef[op.coef..][..op.law?.coefs * op.n * passes]);
+            know(&l.e0[op.first..][..op.n * passes]);
+        }
+        for link in self.parts.links.iter().chain(&self.parts.last) {
+            let alone = crate::reverse::alone::Alone::new(&scene.forces[link.op], &self.dual)?;
+            let reads = crate::reverse::single::reads(scene, place, link, &alone.shape);
+            reads.numbers.iter().for_each(|(_, _, at)| know(&[*at]));
+        }
+        let changes = |i: usize| self.numbers.derivatives.iter().any(|d| d[i] != 0.0);
+        Some(known.iter().enumerate().all(|(i, known)| *known || !changes(i)))
+    }
+
+    /// Plays what the ports are `given` (frames x inputs) with the derivatives by `some` parameters, seven at most; `heard` gets each sample
+    /// and is asked whether to go on.
+    pub fn play(
+        &self,
+        scene: &Scene,
+        (given, frames): (&[f64], usize),
+        some: std::ops::Range<usize>,
+        heard: &mut impl FnMut(usize, &[Dual]) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let columns: Vec<&[f64]> = self.numbers.derivatives[some].iter().map(Vec::as_slice).collect();
+        let place = &self.numbers.place;
+        let mut added = Added::new(scene, &self.parts, place, &columns);
+        let gains = Gains::new(scene, place, &columns);
+        let alone = |all: &[Link]| {
+            let each = all.iter().map(|link| Moving::new(scene, link, &self.dual, place, &columns));
+            each.collect::<Option<Vec<_>>>().unwrap_or_default()
+        };
+        let (mut links, mut last) = (alone(&self.parts.links), alone(&self.parts.last));
+        let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
+        // one for all, since no derivative changes them
+        let mut coefs = scene.initial.coef.clone();
+        let mut record = Record::new(scene, &self.parts, 1, [false, true]);
+        let (mut s, inputs) = (scene.state(), scene.inputs.len());
+        let mut row_heard = vec![Dual::default(); scene.n_out];
+        for frame in 0..frames {
+            record.play(scene, &self.parts, &mut s, &given[frame * inputs..][..inputs], 1);
+            let (row, next) = (record.row(0), record.row(1).d);
+            for l in &mut links {
+                l.play(&row, None, &mut states);
+            }
+            added.add_to_sums(scene, &row, &mut states);
+            if !last.is_empty() {
+                for a in &mut states {
+                    std::mem::swap(&mut a.coef, &mut coefs);
+                    self.linear(scene, a);
+                    std::mem::swap(&mut a.coef, &mut coefs);
+                }
+                let mut sums = row.sums;
+                for l in &mut last {
+                    let (own, others) = sums.split_at(l.slots() + 1);
+                    l.play(&row, Some(own), &mut states);
+                    sums = others;
+                }
+            }
+            // what is heard of forces is none of what changed numbers of rows and masses add
+            for (q, a) in states.iter_mut().enumerate() {
+                std::mem::swap(&mut a.coef, &mut coefs);
+                if last.is_empty() {
+                    self.linear(scene, a);
+                }
+                for op in &scene.writes {
+                    (op.kernel)(op, &self.layout, a);
+                    if op.name == "outputs" {
+                        gains.add(&row, q, a);
+                    }
+                }
+                std::mem::swap(&mut a.coef, &mut coefs);
+            }
+            added.add_to_moves(scene, &row, next, &mut states);
+            for a in &mut states {
+                std::mem::swap(&mut a.coef, &mut coefs);
+                self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
+                for op in &scene.moves {
+                    (op.kernel)(op, &self.layout, a);
+                }
+                a.tick += 1;
+                std::mem::swap(&mut a.coef, &mut coefs);
+            }
+            for (k, to) in row_heard.iter_mut().enumerate() {
+                *to = Dual::constant(s.output[k]);
+                to.tangents_mut().iter_mut().zip(&states).for_each(|(t, a)| *t = a.output[k]);
+            }
+            if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
+                return Err(crate::forward::diverged());
+            }
+            heard(frame, &row_heard)?;
+        }
+        Ok(())
+    }
+
+    /// What linear links that are summed by themselves make of derivatives.
+    fn linear(&self, scene: &Scene, a: &mut State) {
+        for (k, _) in &self.parts.linear {
+            let op = &scene.forces[*k];
+            (op.kernel)(op, &self.layout, a);
+        }
+    }
+}
+
+/// A scene at load, each number replaced by its derivative.
+fn started(scene: &Scene, place: &Scene, column: &[f64]) -> State {
+    let mut a = scene.state();
+    let start = &place.initial;
+    let put = |to: &mut [f64], from: &[f64]| {
+        to.iter_mut().zip(from).for_each(|(to, v)| *to = column[number(*v)]);
+    };
+    put(&mut a.x, &start.x);
+    put(&mut a.d, &start.d);
+    put(&mut a.mem, &start.mem);
+    put(&mut a.lengths, &start.lengths);
+    a.coef = Aligned::default();
+    a.f.fill(0.0);
+    a
+}
