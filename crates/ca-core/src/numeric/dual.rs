@@ -376,6 +376,12 @@ impl Sum for Dual {
     }
 }
 
+impl<'a> Sum<&'a Dual> for Dual {
+    fn sum<I: Iterator<Item = &'a Dual>>(all: I) -> Dual {
+        all.copied().sum()
+    }
+}
+
 impl num_traits::Zero for Dual {
     fn zero() -> Dual {
         Dual::constant(0.0)

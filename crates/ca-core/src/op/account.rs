@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{DUAL, Real, Table, real, wide as widened};
+use crate::numeric::{DUAL, Outer, Real, Table, outer, real};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -21,7 +21,7 @@ const COEFS: usize = 8;
 /// Sums side by side.
 pub(super) const LANES: usize = 8;
 /// Eight of them.
-pub type Lanes = [f64; LANES];
+pub type Lanes = [Outer; LANES];
 
 /// The energies of a law.
 #[derive(Clone, Copy)]
@@ -42,7 +42,7 @@ impl Energies {
         Energies {
             stored: |c, mem, tables, e0, e1| P::stored(&numbers(c), &numbers(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&numbers(c), &numbers(mem), tables, e),
-            // no ledger has derivatives: nothing is made for one
+            // a number and its derivatives fill a vector by themselves, so that blocks would gain nothing: link by link
             block: if DUAL {
                 None
             } else {
@@ -165,22 +165,22 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize>(
 /// What is written for each link of an account: what it stores, what it has lost, and what the scheme made in it \[J\].
 pub struct Entries<'a> {
     /// stored at the last tick; of linear links nobody asks for it
-    pub stored: &'a mut [f64],
+    pub stored: &'a mut [Outer],
     /// heat so far
-    pub lost: &'a mut [f64],
+    pub lost: &'a mut [Outer],
     /// made so far
-    pub error: &'a mut [f64],
+    pub error: &'a mut [Outer],
 }
 
 /// Sums over links \[J\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums {
     /// stored
-    pub stored: f64,
+    pub stored: Outer,
     /// heat of the tick
-    pub heat: f64,
+    pub heat: Outer,
     /// made in the tick
-    pub error: f64,
+    pub error: Outer,
 }
 
 /// Enters an account: `d0` is the motion into the tick; `tick` says whether a tick has passed, or only what is stored has
@@ -237,10 +237,10 @@ impl WithSimd for Enter<'_> {
             if !account.linear {
                 let (error, before) = (&mut entries.error[range.clone()], &mut entries.stored[range.clone()]);
                 for i in 0..n {
-                    let now = widened(stored[i]);
+                    let now = outer(stored[i]);
                     if tick {
-                        let work = widened(-s.tap[account.tap + from + i] * 0.5 * moved[i]);
-                        let made = now - before[i] + work + widened(heat[i]);
+                        let work = outer(-s.tap[account.tap + from + i] * 0.5 * moved[i]);
+                        let made = now - before[i] + work + outer(heat[i]);
                         error[i] += made;
                         sums.error += made;
                     }
@@ -249,7 +249,7 @@ impl WithSimd for Enter<'_> {
             }
             add(&mut stored_all, stored);
             if tick {
-                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += widened(*heat));
+                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += outer(*heat));
                 add(&mut lost, heat);
             }
             from += n;
@@ -348,7 +348,7 @@ fn port(
 
 /// Adds numbers to eight sums side by side, so that the total is the same whatever the width of a vector.
 #[inline(always)]
-pub(crate) fn add<T: Copy + Into<f64>>(lanes: &mut Lanes, all: &[T]) {
+pub(crate) fn add<T: Copy + Into<Outer>>(lanes: &mut Lanes, all: &[T]) {
     let mut sums = *lanes;
     let (whole, rest) = all.as_chunks::<LANES>();
     for eight in whole {

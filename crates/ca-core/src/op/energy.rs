@@ -10,7 +10,7 @@ use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
-use crate::numeric::{Real, VerletList, real, wide};
+use crate::numeric::{Outer, Real, VerletList, bare, lift, outer, real};
 use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
@@ -23,16 +23,16 @@ impl Ledger {
         let ports = layout.enx.len() + tgr + layout.enf.len();
         let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
         Ledger {
-            lost: alloc::vec![0.0; n_lia],
-            scheme_error: alloc::vec![0.0; n_lia],
-            stored: alloc::vec![0.0; n_lia],
+            lost: alloc::vec![lift(0.0); n_lia],
+            scheme_error: alloc::vec![lift(0.0); n_lia],
+            stored: alloc::vec![lift(0.0); n_lia],
             d0: alloc::vec![real(0.0); n_mat],
-            port: alloc::vec![0.0; ports],
-            work: alloc::vec![0.0; ports],
+            port: alloc::vec![lift(0.0); ports],
+            work: alloc::vec![lift(0.0); ports],
             hands: alloc::vec![Exchange::default(); tgr],
             points: alloc::vec![[real(0.0); 2]; points],
-            stored_batches: alloc::vec![0.0; accounts],
-            mass: alloc::vec![0.0; n_mat],
+            stored_batches: alloc::vec![lift(0.0); accounts],
+            mass: alloc::vec![lift(0.0); n_mat],
             ..Ledger::default()
         }
     }
@@ -41,10 +41,10 @@ impl Ledger {
 /// Energy of the MATs and of weight between the last two ticks \[J\].
 #[derive(Default)]
 struct MatEnergy {
-    kinetic: f64,
-    stored: f64,
+    kinetic: Outer,
+    stored: Outer,
     /// heat of that tick
-    heat: f64,
+    heat: Outer,
 }
 
 /// MATs, a block of them at a time.
@@ -52,7 +52,7 @@ struct Mats<'a> {
     layout: &'a Layout,
     s: &'a State,
     d0: &'a [Real],
-    mass: &'a [f64],
+    mass: &'a [Outer],
 }
 
 impl WithSimd for Mats<'_> {
@@ -63,8 +63,8 @@ impl WithSimd for Mats<'_> {
         let n = layout.n_mat;
         // eight sums of each side by side, as [`super::account::add`] has them, without writing what is summed
         let mut sums = [Lanes::default(); 3];
-        let of = |x: Real, d: Real, d0: Real, p: Real, q: Real, m: f64| {
-            let [x, d, d0, p, q] = [x, d, d0, p, q].map(wide);
+        let of = |x: Real, d: Real, d0: Real, p: Real, q: Real, m: Outer| {
+            let [x, d, d0, p, q] = [x, d, d0, p, q].map(outer);
             let (z, moved) = (0.25 * (1.0 - p), d + d0);
             [0.5 * d * d * m, (-0.5 * q * x * (x - d) - z * d * d) * m, z * moved * moved * m]
         };
@@ -91,21 +91,21 @@ impl WithSimd for Mats<'_> {
 }
 
 /// Masses from the coefficients of the MATs.
-fn weigh(layout: &Layout, s: &State, mass: &mut [f64]) {
+fn weigh(layout: &Layout, s: &State, mass: &mut [Outer]) {
     for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
-        *m = if *c == 0.0 { 0.0 } else { 1.0 / wide(*c) };
+        *m = if *c == 0.0 { lift(0.0) } else { 1.0 / outer(*c) };
     }
     // what is a sum of modes has its inertia in these
-    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = 0.0);
+    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = lift(0.0));
 }
 
 /// Energy of the MATs, and of weight.
-fn mats(layout: &Layout, s: &State, d0: &[Real], mass: &[f64]) -> MatEnergy {
+fn mats(layout: &Layout, s: &State, d0: &[Real], mass: &[Outer]) -> MatEnergy {
     let mut all = vectors(layout, Mats { layout, s, d0, mass });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
-        let (x, d) = (wide(s.x[*m as usize]), wide(s.d[*m as usize]));
-        all.stored -= wide(s.coef[weight + k]) * (x - 0.5 * d);
+        let (x, d) = (outer(s.x[*m as usize]), outer(s.d[*m as usize]));
+        all.stored -= outer(s.coef[weight + k]) * (x - 0.5 * d);
     }
     all
 }
@@ -128,7 +128,7 @@ fn links(
     };
     // a set is one module
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
-    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [0.0; 2] };
+    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [lift(0.0); 2] };
     stored[0] = now;
     lost[0] += heat;
     error[0] += made;
@@ -150,28 +150,28 @@ fn all_links(layout: &Layout, s: &State, near: &mut [VerletList], d0: &[Real], l
 
 /// What a set holds after the tick being entered, its heat in that tick, and the work of its force on its members.
 struct Entry {
-    stored: f64,
-    heat: f64,
-    work: f64,
+    stored: Outer,
+    heat: Outer,
+    work: Outer,
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
 fn set(layout: &Layout, s: &State, near: &mut VerletList, d0: &[Real], a: &Account, at: usize) -> Entry {
-    let (mut stored, mut heat) = (0.0, 0.0);
+    let (mut stored, mut heat) = (lift(0.0), lift(0.0));
     let c = &s.coef[a.coef..][..a.coefs];
     let (of, tables) = (a.energies, &layout.tables);
     pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
-        stored += wide((of.stored)(c, &[], tables, e[1], e[2]));
-        heat += wide((of.lost)(c, &[], tables, e));
+        stored += outer((of.stored)(c, &[], tables, e[1], e[2]));
+        heat += outer((of.lost)(c, &[], tables, e));
     });
     let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
     let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
-    let work = pushed.map(|(m, f)| (0..3).map(|k| wide(f[k] * moved(*m as usize + k))).sum::<f64>()).sum();
+    let work = pushed.map(|(m, f)| (0..3).map(|k| outer(f[k] * moved(*m as usize + k))).sum::<Outer>()).sum();
     Entry { stored, heat, work }
 }
 
 /// What everything holds at load.
-fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
+fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> Outer {
     weigh(layout, s, &mut l.mass);
     let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
@@ -179,9 +179,9 @@ fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> 
 }
 
 /// What changes brought in: only what may change is looked at again.
-fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> f64 {
-    let Some(plan) = &layout.ledger else { return 0.0 };
-    let mut came = 0.0;
+fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> Outer {
+    let Some(plan) = &layout.ledger else { return lift(0.0) };
+    let mut came = lift(0.0);
     if plan.live {
         weigh(layout, s, &mut l.mass);
         let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
@@ -209,14 +209,14 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.h0 = load(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;
-        l.peak = l.h0.abs().max(l.kinetic);
+        l.peak = bare(l.h0).abs().max(bare(l.kinetic));
         s.ledger = Some(l);
         return;
     }
     let before = l.h;
     let mut work = core::mem::take(&mut l.pulled);
     l.pointer += work;
-    let moved = |m: u32, d0: &[Real]| 0.5 * wide(s.d[m as usize] + d0[m as usize]);
+    let moved = |m: u32, d0: &[Real]| 0.5 * outer(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
@@ -229,18 +229,18 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     }
     if let (Some(group), Some(slow)) = (&layout.slow, &s.slow) {
         let each = group.ports.iter().zip(&slow.ports).take(group.coupled);
-        let w: f64 = each.clone().map(|(p, b)| -b.force * moved(p.at, &l.d0)).sum();
+        let w: Outer = each.clone().map(|(p, b)| -b.force * moved(p.at, &l.d0)).sum();
         work += w;
         l.crossed += w;
         if s.tick == 1 {
             // what came with the motion into the pose of load is held at load
-            let before: f64 = each.map(|(p, b)| -b.force * 0.5 * wide(l.d0[p.at as usize])).sum();
+            let before: Outer = each.map(|(p, b)| -b.force * 0.5 * outer(l.d0[p.at as usize])).sum();
             l.crossed -= before;
             l.h0 += before;
         }
     }
     if s.tick == 1 {
-        let given: f64 = l.kick.iter().zip(0..).map(|(f, m)| wide(*f) * moved(m, &l.d0)).sum();
+        let given: Outer = l.kick.iter().zip(0..).map(|(f, m)| outer(*f) * moved(m, &l.d0)).sum();
         l.changed += given;
         work += given;
     }
@@ -254,10 +254,10 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let lost = heat + beside + of_links.heat;
     let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
-    l.worst = l.worst.max((h - before - work + lost - of_links.error).abs());
-    l.heat += lost.abs();
+    l.worst = l.worst.max(bare(h - before - work + lost - of_links.error).abs());
+    l.heat += bare(lost).abs();
     // what is in motion may come from a potential that is as negative
-    l.peak = l.peak.max(h.abs().max(kinetic) + l.heat);
+    l.peak = l.peak.max(bare(h).abs().max(bare(kinetic)) + l.heat);
     s.near = near;
     s.ledger = Some(l);
 }
@@ -283,10 +283,10 @@ pub fn keep(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
-        l.port[k] = wide(s.f[p.mat as usize]);
+        l.port[k] = outer(s.f[p.mat as usize]);
     }
     for (k, p) in (layout.enx.len() + layout.tgr.len()..).zip(&layout.enf) {
         let v = s.input[p.input as usize];
-        l.port[k] = if v.is_finite() { v } else { 0.0 };
+        l.port[k] = lift(if v.is_finite() { v } else { 0.0 });
     }
 }

@@ -6,7 +6,7 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::numeric::{Real, bare, inner, wide};
+use crate::numeric::{Outer, Real, inner, lift, outer};
 use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
@@ -62,15 +62,15 @@ pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// The sum of squares, eight sums side by side: one after the other they would wait for each other.
-fn squares(all: &[Real]) -> f64 {
+fn squares(all: &[Real]) -> Outer {
     let (whole, rest) = all.as_chunks::<8>();
-    let mut sums = [0.0; 8];
+    let mut sums = [lift(0.0); 8];
     for eight in whole {
         for (sum, v) in sums.iter_mut().zip(eight) {
-            *sum += wide(*v) * wide(*v);
+            *sum += outer(*v) * outer(*v);
         }
     }
-    sums.iter().sum::<f64>() + rest.iter().map(|v| wide(*v) * wide(*v)).sum::<f64>()
+    sums.iter().sum::<Outer>() + rest.iter().map(|v| outer(*v) * outer(*v)).sum::<Outer>()
 }
 
 /// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
@@ -78,34 +78,34 @@ fn squares(all: &[Real]) -> f64 {
 ///
 /// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
 /// still hear and (a+b)(a+2b) of the newer one count as stored; an allpass of memory q holds q²/(1 − c²).
-pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (f64, f64) {
+pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (Outer, Outer) {
     let w = &layout.waves;
-    let (mut stored, mut heat) = (0.0, 0.0);
+    let (mut stored, mut heat) = (lift(0.0), lift(0.0));
     for d in &w.delays {
-        let wave = |back: usize| wide(s.mem[d.at(s.tick, back)]);
-        let energy = |v: f64| v * v;
-        let mut sum = 0.0;
+        let wave = |back: usize| outer(s.mem[d.at(s.tick, back)]);
+        let energy = |v: Outer| v * v;
+        let mut sum = lift(0.0);
         let way = if let Termination::Lossy { loss, memory } = d.end {
             let way = d.len - 3;
-            let [a, b, c] = [loss.a, loss.b, loss.c].map(bare);
+            let [a, b, c] = [loss.a, loss.b, loss.c];
             let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
             let gain = a + 2.0 * b;
             let (newer, older) = (gain * (a + b), gain * b);
-            let taps = |u: f64, v: f64| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(wide(s.mem[memory])) / (1.0 - c * c);
+            let taps = |u: Outer, v: Outer| newer * energy(u) + older * energy(v);
+            sum += taps(u0, u1) + energy(outer(s.mem[memory])) / (1.0 - c * c);
             let out = energy(a * u1 + b * (u0 + u2));
-            heat += bare(w.junctions[d.junction].z) * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
+            heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
         } else {
             d.len
         };
         let [older, newer] = d.under_way(&s.mem, s.tick, way);
         sum += squares(older) + squares(newer);
-        stored += bare(w.junctions[d.junction].z) * sum;
+        stored += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {
-        let v = 0.5 * wide(s.d[j.mat as usize] + d0[j.mat as usize]);
-        heat -= 2.0 * bare(j.z) * v * v;
+        let v = 0.5 * outer(s.d[j.mat as usize] + d0[j.mat as usize]);
+        heat -= 2.0 * j.z * v * v;
     }
     (stored, heat)
 }

@@ -109,12 +109,14 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
     }
 }
 
-/// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative.
+/// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative. Forces at load are those that the
+/// start of mi.lib leaves to the first tick, which the ledger knows too.
 fn state(s: &mut State, visit: &mut impl FnMut(&mut Real)) {
     for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.lengths] {
         all.iter_mut().for_each(&mut *visit);
     }
     s.mem.iter_mut().for_each(&mut *visit);
-    s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(visit);
+    s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
+    s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
     s.output.fill(lift(0.0));
 }

@@ -1,6 +1,10 @@
 //! The accounts of energy, as data; [`crate::op::energy`] writes them.
+//!
+//! Decides that accounts are numbers beside the tick, [`Outer`]: `f64` in both precisions, and with their derivatives in the build
+//! of dual numbers, whose [`Ledger::balance`] so has those of each sum (docs/numerics.md §9). What only measures how large or how
+//! wrong accounts are (`peak`, `worst`) is plain, and so is what a hand gives, which has no derivatives.
 
-use crate::numeric::{Real, real};
+use crate::numeric::{Outer, Real, bare, real};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -30,35 +34,35 @@ impl Default for Room {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger {
     /// energy at load
-    pub h0: f64,
+    pub h0: Outer,
     /// energy now, between the last tick and the one before
-    pub h: f64,
+    pub h: Outer,
     /// its part in motion
-    pub kinetic: f64,
+    pub kinetic: Outer,
     /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
     pub peak: f64,
     /// heat of MATs with dampers of their own, and of the ends of waveguides
-    pub lost_mats: f64,
+    pub lost_mats: Outer,
     /// heat of each link (n_lia)
-    pub lost: Vec<f64>,
+    pub lost: Vec<Outer>,
     /// energy made (+) or taken (−) by the scheme in each link (n_lia); 0 for linear ones
-    pub scheme_error: Vec<f64>,
+    pub scheme_error: Vec<Outer>,
     /// work received from each port: position ports, device ports, force ports
-    pub work: Vec<f64>,
+    pub work: Vec<Outer>,
     /// work received from a pointer that pulls, see [`crate::pointer`]
-    pub pointer: f64,
+    pub pointer: Outer,
     /// work received from groups at the gesture rate
-    pub(crate) crossed: f64,
+    pub(crate) crossed: Outer,
     /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
-    pub border: f64,
+    pub border: Outer,
     /// what these groups hold and lose by a ledger of their own, up to the last frame
     pub slow: Balance,
     /// that of the tick which the ledger has not entered yet
-    pub(crate) pulled: f64,
+    pub(crate) pulled: Outer,
     /// what crossed each device port (tgr), counted by frames
     pub hands: Vec<Exchange>,
     /// energy that came in by changing parameters or moving interaction points
-    pub changed: f64,
+    pub changed: Outer,
     /// largest imbalance of a single tick
     pub worst: f64,
     /// d of the tick that the ledger is at (n_mat)
@@ -66,17 +70,17 @@ pub struct Ledger {
     /// heat of everything so far, kept apart so that no tick sums over all links again
     pub(crate) heat: f64,
     /// force on position and device ports, force given by force ports (ports)
-    pub(crate) port: Vec<f64>,
+    pub(crate) port: Vec<Outer>,
     /// energy stored by each link at the last tick of the ledger (n_lia)
-    pub(crate) stored: Vec<f64>,
+    pub(crate) stored: Vec<Outer>,
     /// where the moving points were when the last tick was entered, and their motion (moving points x 2)
     pub(crate) points: Vec<[Real; 2]>,
     /// energy stored by each batch of links then (accounts)
-    pub(crate) stored_batches: Vec<f64>,
+    pub(crate) stored_batches: Vec<Outer>,
     /// energy stored by MATs and weight then, and that of motion
-    pub(crate) stored_mats: f64,
+    pub(crate) stored_mats: Outer,
     /// mass of each MAT, as T²C⁻¹; 0 of what no force moves (n_mat)
-    pub(crate) mass: Vec<f64>,
+    pub(crate) mass: Vec<Outer>,
     /// whether it has looked at what everything holds at load: a state at load may be played on from any tick
     pub(crate) begun: bool,
     /// whether coefficients were on their way then
@@ -116,19 +120,19 @@ impl Exchange {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
     /// energy at load \[J\]
-    pub h0: f64,
+    pub h0: Outer,
     /// energy now \[J\]
-    pub h: f64,
+    pub h: Outer,
     /// heat \[J\]
-    pub lost: f64,
+    pub lost: Outer,
     /// error of the scheme: what non-linear links, and a compensated border, gave that nothing gave them \[J\]
-    pub scheme_error: f64,
+    pub scheme_error: Outer,
     /// received from ports and a pointer \[J\]
-    pub work: f64,
+    pub work: Outer,
     /// received by changes \[J\]
-    pub changed: f64,
+    pub changed: Outer,
     /// residual, what the ledger does not explain \[J\]
-    pub residual: f64,
+    pub residual: Outer,
     /// scale of the residual \[J\]
     pub peak: f64,
 }
@@ -137,8 +141,8 @@ impl Ledger {
     /// The sums.
     pub fn balance(&self) -> Balance {
         let (lost, scheme_error) =
-            (self.lost_mats + self.lost.iter().sum::<f64>(), self.scheme_error.iter().sum::<f64>());
-        let work = self.work.iter().sum::<f64>() + self.pointer;
+            (self.lost_mats + self.lost.iter().sum::<Outer>(), self.scheme_error.iter().sum::<Outer>());
+        let work = self.work.iter().sum::<Outer>() + self.pointer;
         let residual = self.h - self.h0 - work - self.crossed + lost - scheme_error - self.changed;
         let slow = &self.slow;
         Balance {
@@ -155,13 +159,13 @@ impl Ledger {
 
     /// What one side of the border of groups at the gesture rate gave and the other has not entered yet \[J\], a part of the energy
     /// now: when a frame is entered, what the links across do in half a tick.
-    pub fn under_way(&self) -> f64 {
+    pub fn under_way(&self) -> Outer {
         self.border - (self.crossed + self.slow.work)
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.
     pub fn largest_error(&self) -> Option<(usize, f64)> {
         let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
-        (*s > 0.0).then_some((i, *s))
+        (*s > 0.0).then_some((i, bare(*s)))
     }
 }
