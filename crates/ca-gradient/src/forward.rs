@@ -15,6 +15,7 @@ use crate::{Error, Parameter};
 use ca_compile_dual::load::finish;
 use ca_core_dual::kind::cloud::{Cloud, Clouds, Unread};
 use ca_core_dual::numeric::{Dual, TANGENTS};
+use ca_core_dual::state::State;
 use ca_core_dual::{Catalog, Scene, tick};
 use ca_io::gesture::Gesture;
 use ca_io::perform::{self, DIVERGED, Performance};
@@ -108,16 +109,29 @@ impl Forward {
             }
             scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
         }
+        forward.differenced(scene)
+    }
+
+    /// The same, of a scene that keeps the energy ledger.
+    pub(crate) fn with_ledger(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
+        let (mut forward, _) = Forward::begun(loaded, options, wrt)?;
+        forward.options.energy = true;
+        let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
+        forward.differenced(scene)
+    }
+
+    /// With the derivatives of the numbers that its `scene` begins with.
+    fn differenced(mut self, mut scene: Scene) -> Result<Forward, Error> {
         let start = Start::of_dual(&mut scene);
-        for p in &forward.parameters {
+        for p in &self.parameters {
             let other = |value: f64| {
-                let mut other = forward.compiled(&put_dual(p, &forward.model, value))?;
+                let mut other = self.compiled(&put_dual(p, &self.model, value))?;
                 Ok(Start::of_dual(&mut other))
             };
             let all = derivatives(&start, p, &other)?;
-            forward.derivatives.push(all);
+            self.derivatives.push(all);
         }
-        Ok(forward)
+        Ok(self)
     }
 
     /// The same without derivatives of the numbers that it begins with, and the scene over dual numbers.
@@ -164,6 +178,11 @@ impl Forward {
         self.plain.rate
     }
 
+    /// The time of a tick \[s\].
+    pub(crate) fn sample_dt(&self) -> f64 {
+        self.plain.sample_dt
+    }
+
     /// How many numbers a sample has: the sound channels, then the probes.
     pub fn outputs(&self) -> usize {
         self.plain.n_out
@@ -201,8 +220,8 @@ impl Forward {
             self.play(
                 &played,
                 some.clone(),
-                &mut |frame, row| {
-                    for (k, v) in row.iter().enumerate() {
+                &mut |frame, s| {
+                    for (k, v) in s.output.iter().enumerate() {
                         let at = frame * outputs + k;
                         to.output[at] = v.value();
                         to.tangents[at * n..][some.clone()].copy_from_slice(&v.tangents()[..some.len()]);
@@ -238,8 +257,8 @@ impl Forward {
             self.play(
                 &played,
                 some.clone(),
-                &mut |frame, row| {
-                    for (v, by) in row.iter().zip(&cotangent[frame * outputs..]) {
+                &mut |frame, s| {
+                    for (v, by) in s.output.iter().zip(&cotangent[frame * outputs..]) {
                         for (sum, t) in gradient[some.clone()].iter_mut().zip(v.tangents()) {
                             *sum += by * t;
                         }
@@ -251,12 +270,12 @@ impl Forward {
         Ok(gradient)
     }
 
-    /// Plays it with the derivatives by `some` parameters; `heard` gets each sample.
-    fn play(
+    /// Plays it with the derivatives by `some` parameters; `heard` gets the state after each sample.
+    pub(crate) fn play(
         &self,
         played: &Played,
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &[Dual]),
+        heard: &mut impl FnMut(usize, &State),
         goes_on: GoesOn,
     ) -> Result<(), Error> {
         if let Some(tangent) = &self.tangent {
@@ -281,7 +300,7 @@ impl Forward {
         for frame in 0..played.frames {
             s.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
             tick(&scene, &mut s);
-            heard(frame, &s.output);
+            heard(frame, &s);
             if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
                 return Err(diverged());
             }
@@ -298,8 +317,9 @@ impl Forward {
 }
 
 /// What a scene is given while it plays.
-struct Played {
-    frames: usize,
+pub(crate) struct Played {
+    /// samples
+    pub(crate) frames: usize,
     /// what the ports are given (frames x inputs)
     given: Vec<f64>,
     /// where hands are at the first tick, and under way (inputs)
@@ -307,7 +327,7 @@ struct Played {
 }
 
 impl Played {
-    fn new(
+    pub(crate) fn new(
         forward: &Forward,
         seconds: Option<f64>,
         gesture: Option<&Gesture>,
@@ -332,7 +352,7 @@ impl Played {
 }
 
 /// A table of so many frames, outputs and numbers, all 0.
-fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
+pub(crate) fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
     let (n, mut all) = (frames.checked_mul(outputs).and_then(|n| n.checked_mul(each)), Vec::new());
     match n.filter(|n| all.try_reserve_exact(*n).is_ok()) {
         Some(n) => {

@@ -1,4 +1,5 @@
-//! Derivatives of what a scene sounds by parameters of its model, by its start and by what ports are given.
+//! Derivatives of what a scene sounds by parameters of its model, by its start and by what ports are given; and of its energy, by
+//! parameters.
 //!
 //! ```text
 //! Model ─ at p and around it ─ compiled ─ differences: what p makes of the numbers ─ ticks: what these make of the outputs
@@ -13,7 +14,8 @@
 //!
 //! [`Forward`] takes all of a scene through its ticks so: all derivatives of all samples, for any scene, in a time that grows with the
 //! number of parameters. [`Reverse`] goes back over the ticks: the gradient of one loss by any number of parameters, and by what
-//! ports are given, in the time of a few renders, for most scenes.
+//! ports are given, in the time of a few renders, for most scenes. [`Energy`] goes forward too, and has the derivatives of the accounts of
+//! energy, which the ticks keep as numbers with derivatives like all others.
 //!
 //! The tick is differentiable nearly everywhere: where a contact closes, friction turns or a table has a corner, the derivative
 //! is that of the branch that was taken (docs/numerics.md §9). What is refused, by name: parameters that are whole numbers,
@@ -39,6 +41,7 @@
 #![forbid(unsafe_code)]
 
 mod difference;
+mod energy;
 mod error;
 mod forward;
 mod numbers;
@@ -46,6 +49,7 @@ mod parameter;
 mod reverse;
 mod tangent;
 
+pub use energy::{ACCOUNTS, Energy, EnergyTangents};
 pub use error::Error;
 pub use forward::{Forward, GoesOn, Tangents};
 pub use parameter::Parameter;

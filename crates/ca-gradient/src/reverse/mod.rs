@@ -94,6 +94,7 @@ impl Reverse {
         for t in &mut place.tables {
             t.numbers(&mut |v| wanted.push((*v, "a table of a law")));
         }
+        wanted.extend(self.place.initial.f.iter().map(|v| (*v, "the forces at load, by the start of mi.lib")));
         wanted.extend(place.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
         for p in &place.moving_points {
             let at =

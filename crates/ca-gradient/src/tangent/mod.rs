@@ -103,14 +103,14 @@ impl Tangent {
         Some(known.iter().enumerate().all(|(i, known)| *known || !changes(i)))
     }
 
-    /// Plays what the ports are `given` (frames x inputs) with the derivatives by `some` parameters, seven at most; `heard` gets each sample
-    /// and is asked whether to go on.
+    /// Plays what the ports are `given` (frames x inputs) with the derivatives by `some` parameters, seven at most; `heard` gets each sample,
+    /// the outputs of a state alone, and is asked whether to go on.
     pub fn play(
         &self,
         scene: &Scene,
         (given, frames): (&[f64], usize),
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &[Dual]) -> Result<(), Error>,
+        heard: &mut impl FnMut(usize, &ca_core_dual::State) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let columns: Vec<&[f64]> = self.numbers.derivatives[some].iter().map(Vec::as_slice).collect();
         let place = &self.numbers.place;
@@ -126,7 +126,7 @@ impl Tangent {
         let mut coefs = scene.initial.coef.clone();
         let mut record = Record::new(scene, &self.parts, 1, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
-        let mut row_heard = vec![Dual::default(); scene.n_out];
+        let mut sample = ca_core_dual::State { output: vec![Dual::default(); scene.n_out], ..Default::default() };
         for frame in 0..frames {
             record.play(scene, &self.parts, &mut s, &given[frame * inputs..][..inputs], 1);
             let (row, next) = (record.row(0), record.row(1).d);
@@ -171,14 +171,14 @@ impl Tangent {
                 a.tick += 1;
                 std::mem::swap(&mut a.coef, &mut coefs);
             }
-            for (k, to) in row_heard.iter_mut().enumerate() {
+            for (k, to) in sample.output.iter_mut().enumerate() {
                 *to = Dual::constant(s.output[k]);
                 to.tangents_mut().iter_mut().zip(&states).for_each(|(t, a)| *t = a.output[k]);
             }
             if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
                 return Err(crate::forward::diverged());
             }
-            heard(frame, &row_heard)?;
+            heard(frame, &sample)?;
         }
         Ok(())
     }

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Sub};
 
 /// A number with one derivative: the closed form is computed over these, by other formulas than the scheme.
 #[derive(Clone, Copy, Debug)]
-struct D(f64, f64);
+pub struct D(pub f64, pub f64);
 
 impl Add for D {
     type Output = D;
@@ -35,12 +35,12 @@ impl Div for D {
     }
 }
 
-const fn c(v: f64) -> D {
+pub const fn c(v: f64) -> D {
     D(v, 0.0)
 }
 
 /// Of an oscillator with r² = 1 − b and 2 r cos θ = 2 − a − b: x_n = rⁿ (A cos nθ + B sin nθ), from x₀ and x₋₁.
-fn oscillator(ticks: usize, [m, k, z, x, v]: [D; 5]) -> Vec<D> {
+pub fn oscillator(ticks: usize, [m, k, z, x, v]: [D; 5]) -> Vec<D> {
     let t = c(1.0 / 48_000.0);
     let (a, b) = (k * t * t / m, z * t / m);
     let (r2, twice) = (c(1.0) - b, c(2.0) - a - b);

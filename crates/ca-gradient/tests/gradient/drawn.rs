@@ -131,7 +131,7 @@ fn every_kind_has_the_derivatives_of_its_renders() {
 }
 
 /// Scenes whose laws go by other methods than the explicit one, and what stands between masses and outputs.
-const METHODS: &[(&str, &str)] = &[
+pub const METHODS: &[(&str, &str)] = &[
     (
         "BUT stable",
         "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nlink = { between = ['ball', 'bar'], k = '400 kN/m', z = '0.5 N s/m', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
@@ -211,6 +211,10 @@ const METHODS: &[(&str, &str)] = &[
     (
         "numbers that a port drives",
         "[param]\nforce = { port = 'hand', span = [0, '10 mm'], min = '0.1 N', max = '1 N' }\npitch = { port = 'hand', span = [0, '20 mm'], min = '200 Hz', max = '260 Hz' }\n[ENX]\nhand = {}\nbow = {}\n[CEL]\nbar = { m = '1 g', f = 'pitch', t60 = '0.5 s' }\nother = { m = '2 g', f = '300 Hz', t60 = '0.5 s' }\n[RES]\ntie = { between = ['bar', 'other'], k = '1 kN/m' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = 'force', v0 = '50 mm/s' }\n[SOX]\nout = { from = 'other' }\n[gesture]\nbow = [[0, 0], [1, '0.2 m']]\nhand = [[0, '1 mm'], ['10 ms', '7 mm'], ['30 ms', '3 mm']]\n",
+    ),
+    (
+        "the start of mi.lib",
+        "[model]\nstart = 'mi.lib'\n[SOL]\nwall = { x = '1 mm' }\n[MAS]\na = { m = '1 g', x = '2 mm', v = '0.1 m/s' }\nb = { m = '2 g', x = '5 mm', dx0 = '0.3 mm' }\n[REF]\none = { between = ['wall', 'a'], k = '8 kN/m', z = '0.5 N s/m' }\ntwo = { between = ['a', 'b'], k = '5 kN/m', z = '0.3 N s/m' }\n[SOX]\nout = { from = 'b' }\n",
     ),
     (
         "a body in space with softened springs and a floor",

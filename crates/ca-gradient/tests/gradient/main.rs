@@ -1,7 +1,8 @@
-//! Derivatives of scenes against closed forms, and against differences of renders in double precision.
+//! Derivatives of what scenes sound, and of their energy, against closed forms, and against differences of renders in double precision.
 
 mod closed;
 mod drawn;
+mod energy;
 mod reference;
 mod refused;
 mod reverse;

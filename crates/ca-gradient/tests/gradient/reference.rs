@@ -11,7 +11,7 @@ use cordis_anima::ca_model::{Entry, Value};
 use cordis_anima::{Loaded, Options, Scene};
 
 /// Weights at 1 … 4 steps, less those at −1 … −4: of the eighth order, and of the sixth.
-const WEIGHTS: [[f64; 4]; 2] =
+pub const WEIGHTS: [[f64; 4]; 2] =
     [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
 
 /// A text as a model.
@@ -54,7 +54,7 @@ pub fn with(loaded: &Loaded, p: &Parameter, value: f64) -> Loaded {
 /// What a render sounds (ticks x channels), and in which ticks each link has a force (ticks x links).
 pub struct Played {
     pub output: Vec<f64>,
-    acts: Vec<bool>,
+    pub acts: Vec<bool>,
 }
 
 fn compiled(loaded: &Loaded, probes: Vec<String>) -> Scene {

@@ -75,9 +75,9 @@ fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
 
 #[test]
 fn groups_at_the_gesture_rate_are_refused() {
-    let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['key.bed', 'key.lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[BUT]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
+    let slow = "[key]\nrate = 'gesture'\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = '50 g', dx0 = '1 mm' }\n[key.REF]\nspring = { between = ['key.bed', 'key.lever'], k = '200 N/m', z = '0.5 N s/m' }\n[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[RES]\nhit = { between = ['key.lever', 'bar'], k = '4 kN/m' }\n[SOX]\nout = { from = 'bar' }\n";
     let said = refused(slow, "bar.m");
-    assert!(said.contains("gesture rate"), "{said}");
+    assert!(said.contains("groups at the gesture rate are not differentiated"), "{said}");
 }
 
 /// A number of a gesture changes what ports are given, of which there is no derivative: 0 would be believed.
