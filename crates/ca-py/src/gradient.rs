@@ -1,4 +1,4 @@
-//! Derivatives of what a scene sounds, for `cordis_anima._gradient`.
+//! Derivatives of what a scene sounds, and of its energy, for `cordis_anima._gradient`.
 
 use crate::error;
 use crate::gesture::Gesture;
@@ -38,6 +38,10 @@ fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + 
 /// A scene that is gone back over.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Reverse(Arc<ca_gradient::Reverse>);
+
+/// A scene that keeps the energy ledger, with the derivatives of all it begins with.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Energy(Arc<ca_gradient::Energy>);
 
 /// Parameters as name, value and unit.
 fn about(parameters: &[ca_gradient::Parameter]) -> Vec<(&str, f64, &str)> {
@@ -123,6 +127,41 @@ impl Forward {
         let gesture = gesture.map(|g| &g.gesture);
         let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
         Ok(found.into_pyarray(py))
+    }
+}
+
+impl Energy {
+    /// Of a model, by parameters of these names.
+    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Energy> {
+        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+        let made = py.detach(|| ca_gradient::Energy::new(loaded, options, &names));
+        made.map(|e| Energy(Arc::new(e))).map_err(|e| failure(py, e))
+    }
+}
+
+#[pymethods]
+impl Energy {
+    /// By what: name, value, unit.
+    #[getter]
+    fn parameters(&self) -> Vec<(&str, f64, &str)> {
+        about(self.0.parameters())
+    }
+
+    /// How much time the ledger covers (instants), the accounts (instants, accounts), in the order of `ca_gradient::ACCOUNTS`, and their
+    /// derivatives (instants, accounts, parameters).
+    #[allow(clippy::type_complexity, reason = "three arrays")]
+    fn tangents<'py>(
+        &self,
+        py: Python<'py>,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        instants: usize,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
+        let gesture = gesture.map(|g| &g.gesture);
+        let t = waiting(py, |goes_on| self.0.tangents(seconds, gesture, instants, goes_on))?;
+        let shape = [t.instants(), ca_gradient::ACCOUNTS.len(), t.parameters.len()];
+        let values = table(py, t.values, shape[0], shape[1])?;
+        Ok((t.seconds.into_pyarray(py), values, t.tangents.into_pyarray(py).reshape(shape)?))
     }
 }
 

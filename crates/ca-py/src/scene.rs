@@ -2,7 +2,7 @@
 
 use crate::error::{self, failure, findings, usage};
 use crate::gesture::Gesture;
-use crate::gradient::{Forward, Reverse};
+use crate::gradient::{Energy, Forward, Reverse};
 use crate::measure::{energy, table};
 use crate::sim::Sim;
 use crate::wait::Wait;
@@ -203,6 +203,11 @@ impl Scene {
     /// With derivatives by parameters of these names.
     fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
         Forward::new(py, &self.loaded, &self.options, &wrt)
+    }
+
+    /// With derivatives of its energy by parameters of these names.
+    fn energy_forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
+        Energy::new(py, &self.loaded, &self.options, &wrt)
     }
 
     /// To be gone back over, with derivatives by parameters of these names.

@@ -20,7 +20,7 @@ from ._batch import Batch, batch
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._fit import Beyond, Distance, Fit, Fitted, fit
 from ._gestures import Curve, Gesture
-from ._gradient import Gradient, Tangents
+from ._gradient import EnergyTangents, Gradient, Tangents
 from ._linear import Linear, Rollout
 from ._measured import Progress
 from ._model import Check, Model
@@ -47,6 +47,7 @@ __all__ = [
     "Diagnostic",
     "Distance",
     "Energy",
+    "EnergyTangents",
     "FailedError",
     "Fault",
     "FileError",

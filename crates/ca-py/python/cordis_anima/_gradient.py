@@ -1,4 +1,4 @@
-"""Derivatives of what a scene sounds by its parameters."""
+"""Derivatives of what a scene sounds, and of its energy, by its parameters."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._errors import UsageError
 from ._gestures import Gesture, made
-from ._results import Floats, length, reals
+from ._results import Floats, length, reals, whole
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
@@ -48,6 +48,42 @@ class Tangents:
         """The gradient (parameters) of a loss whose derivatives by the samples are `cotangent` (frames, channels)."""
         found: Floats = np.einsum("fc,fcp->p", _cotangent(cotangent, self.audio.shape), self.tangents)
         return found
+
+
+#: accounts of energy, by their names in `Energy`
+_ACCOUNTS = ("start", "stored", "lost", "made", "work", "changed", "residual")
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyTangents:
+    """Accounts of energy with their derivatives, at some instants.
+
+    ``stored = start + work − lost + made + changed + residual``, for the accounts and for their derivatives.
+
+    Attributes:
+        energy: each account (instants) [J], by its name in `Energy`: ``"start"``, ``"stored"``, ``"lost"``, ``"made"``, ``"work"``,
+            ``"changed"`` and ``"residual"``.
+        tangents: its derivatives (instants, parameters) [J] per unit of the parameter, by the same names.
+        seconds: how much time the ledger covers (instants) [s]; a tick is entered when the next one begins.
+        wrt: names of the parameters.
+        values: their values (parameters).
+        units: their units, of SI; empty for plain numbers.
+    """
+
+    energy: Mapping[str, Floats]
+    tangents: Mapping[str, Floats]
+    seconds: Floats
+    wrt: tuple[str, ...]
+    values: Floats
+    units: tuple[str, ...]
+
+    def __getitem__(self, name: str) -> dict[str, Floats]:
+        """The derivatives by one parameter: of each account (instants)."""
+        place = _place(self.wrt, name)
+        return {account: all[:, place] for account, all in self.tangents.items()}
+
+    def __repr__(self) -> str:
+        return f"<EnergyTangents: {len(self.seconds)} instants by {', '.join(self.wrt)}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +143,7 @@ def named(wrt: object) -> list[str]:
     return names
 
 
-def _about(forward: _core.Forward | _core.Reverse) -> tuple[tuple[str, ...], Floats, tuple[str, ...]]:
+def _about(forward: _core.Forward | _core.Energy | _core.Reverse) -> tuple[tuple[str, ...], Floats, tuple[str, ...]]:
     all = forward.parameters
     return tuple(p[0] for p in all), np.array([p[1] for p in all], float), tuple(p[2] for p in all)
 
@@ -142,6 +178,42 @@ class Derivatives:
         audio, all = forward.tangents(seconds, made(self._compiled, gesture))
         names, values, units = _about(forward)
         return Tangents(audio=audio, tangents=all, wrt=names, values=values, units=units, sr=round(about["rate"]))
+
+    def energy_tangents(
+        self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None, instants: int = 1
+    ) -> EnergyTangents:
+        """Plays it with the energy ledger and the derivatives of its accounts by parameters, in forward mode, as `tangents` does for samples.
+
+        Args:
+            wrt: as for `tangents`.
+            seconds: as for `render`.
+            gesture: as for `tangents`.
+            instants: at how many instants, evenly spaced, the accounts are given; the last is the end, and 1 is the end alone.
+
+        Raises:
+            UsageError: as `tangents`; a scene of which no ledger is kept (`method = "pefrl"`); no instant, or more than samples.
+
+        >>> import cordis_anima as ca
+        >>> t = ca.examples.string().energy_tangents(["hammer.v", "hammer.m"], 0.1, instants=4)
+        >>> t.tangents["lost"].shape, t["hammer.v"]["stored"].shape, t.units
+        ((4, 2), (4,), ('m/s', 'kg'))
+        >>> v, start = t.values[0], t.energy["start"][-1]    # ½ m v² at load
+        >>> bool(abs(t["hammer.v"]["start"][-1] * v / 2 - start) < 1e-9 * start)
+        True
+        """
+        seconds = None if seconds is None else length(seconds)
+        many = whole("instants", instants, 1, 2**53)
+        energy = self._compiled.energy_forward(named(wrt))
+        covered, values, all = energy.tangents(seconds, made(self._compiled, gesture), many)
+        names, given, units = _about(energy)
+        return EnergyTangents(
+            energy={name: values[:, k] for k, name in enumerate(_ACCOUNTS)},
+            tangents={name: all[:, k, :] for k, name in enumerate(_ACCOUNTS)},
+            seconds=covered,
+            wrt=names,
+            values=given,
+            units=units,
+        )
 
     def gradient(
         self,
