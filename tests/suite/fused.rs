@@ -108,10 +108,12 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
     assert_eq!(same(&string, 3000), [("REF", Integrate::Mas)]);
     assert_eq!(same(&struck(24, "k = \"40 kN/m\""), 3000), [("RES", Integrate::Mas)]);
     assert_eq!(same(&struck(24, "k = \"40 kN/m\", z = 0.1, zo = 0.01"), 3000), [("REF", Integrate::Cel)]);
+    // what a port pushes is such a number
+    assert_eq!(same(&format!("{string}[ENF]\npush = {{ to = \"s[2]\" }}\n"), 3000), [("REF", Integrate::Mas)]);
     // two numbers on one mass, one before the row, one that somebody reads, one that others are solved from
     for more in [
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
-        "[ENF]\npush = { to = \"s[2]\" }\n",
+        "[ENF]\npush = { to = [\"s[2]\", \"s[4]\"] }\n[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
         "[SOF]\nforce = { from = \"s[3]\" }\n",
         "[SOL]\ng = {}\n[BOW]\nc = { between = [\"s[9]\", \"g\"], f = 0.3, v0 = \"50 mm/s\", method = \"newton\" }\n",
         "[model]\ngravity = 9.81\n",

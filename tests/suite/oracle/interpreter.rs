@@ -67,7 +67,7 @@ impl Network {
         parts.into_iter().map(|(i, a)| (point.nodes[i], a)).collect()
     }
 
-    /// Weight, then waves, then the links in document order, then what points bear goes to their nodes.
+    /// Weight, then waves, then the links in document order, then what pushes on a line, then what points bear goes to their nodes.
     fn forces(&mut self) {
         for at in 0..self.points.len() {
             let (mat, parts) = (self.points[at].mat, self.parts(&self.points[at]));
@@ -87,6 +87,9 @@ impl Network {
                     self.mats[*b].f[j] -= g[j];
                 }
             }
+        }
+        for (m, force) in self.pushed.drain(..) {
+            self.mats[m].f[0] += force;
         }
         for point in &self.points {
             for (node, a) in self.parts(point) {
@@ -113,7 +116,12 @@ impl Network {
     pub fn tick(&mut self, inputs: &[f64], out: &mut [f64]) {
         for (port, value) in self.ports.iter_mut().zip(inputs) {
             let Some(period) = port.period else {
-                port.to.iter().for_each(|m| self.mats[*m].f[port.axis] += value);
+                for m in &port.to {
+                    match self.mats[*m].axes {
+                        1 => self.pushed.push((*m, *value)),
+                        _ => self.mats[*m].f[port.axis] += value,
+                    }
+                }
                 continue;
             };
             let (m, phase) = (&mut self.mats[port.to[0]], (self.n.max(1) - 1) % period + 1);

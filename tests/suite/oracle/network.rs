@@ -158,6 +158,8 @@ pub struct Network {
     pub ports: Vec<Port>,
     /// channel, gain and source
     pub outputs: Vec<(usize, f64, Heard)>,
+    /// forces from outside on a line in the tick at hand: on which mass, and how much
+    pub pushed: Vec<(usize, f64)>,
     /// ticks played
     pub n: u64,
 }

@@ -33,20 +33,25 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
 }
 
-/// Forces at the present positions: waves, links, from outside, weight, and what goes on to others. Links from `late` on need
-/// all of that. What is from outside comes behind the links, so that a row of links that integrates its masses may have it added.
-pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize) -> Vec<Op> {
+/// Forces at the present positions: from outside in space, weight, waves, links, from outside on a line, and what goes on to others.
+/// Links from `late` on need all of that. What pushes on a line comes behind the links, so that a row of links that integrates
+/// its masses may have it added; of `layout.enf` the first `in_space` are those in space, which no such row has.
+pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, in_space: usize) -> Vec<Op> {
     let mut list = Vec::new();
+    let enf = |first: usize, n: usize| Op { first, ..Op::pass("ENF", pass::enf::<true>, n) };
+    if in_space > 0 {
+        list.push(enf(0, in_space));
+    }
+    if !layout.weighed.is_empty() {
+        list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+    }
     if !layout.waves.delays.is_empty() {
         list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
     }
     let late = links.split_off(late);
     list.extend(links);
-    if !layout.enf.is_empty() {
-        list.push(Op::pass("ENF", pass::enf::<true>, layout.enf.len()));
-    }
-    if !layout.weighed.is_empty() {
-        list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+    if in_space < layout.enf.len() {
+        list.push(enf(in_space, layout.enf.len() - in_space));
     }
     if !layout.moving_points.is_empty() {
         list.push(Op::pass("points back", pass::spread, layout.moving_points.len()));

@@ -15,7 +15,7 @@ use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
 use crate::emit::rows::written::Written;
 use crate::emit::slow::{self, Slow};
-use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned};
+use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned, Push};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
 use alloc::boxed::Box;
@@ -68,8 +68,10 @@ pub fn schedule(
     let Masses { x, v, rest } = masses;
     let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
-    let enf: Vec<Enf> =
-        net.pushes.iter().filter_map(|p| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? })).collect();
+    let pushes = |on_line: bool| net.pushes.iter().filter(move |p| net.pushes_line(p) == on_line);
+    let pushed = |p: &Push| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? });
+    let in_space: Vec<Enf> = pushes(false).filter_map(pushed).collect();
+    let on_line: Vec<Enf> = pushes(true).filter_map(pushed).collect();
     // in this order, coefficients stand one behind the other
     let (weight, weighed) = weigh(&mut plan);
     let first_of_links = plan.coef.len();
@@ -81,11 +83,12 @@ pub fn schedule(
     let implicit = plan.implicit(n_mat, &links, model, diags);
     // what stands before the links in the list of forces moves them back; what stands behind them only those of a later turn
     let waves = plan.waves(links.mem);
-    let lead = usize::from(!waves.delays.is_empty());
+    let lead = [!in_space.is_empty(), !weighed.is_empty(), !waves.delays.is_empty()].into_iter().filter(|b| *b).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
-    let outside = [!enf.is_empty(), !weighed.is_empty(), !moving_points.is_empty(), !modal.is_empty()];
+    let behind = [!on_line.is_empty(), !moving_points.is_empty(), !modal.is_empty()];
     let solved = [solved[0], solved[1], !solved_modal.list.is_empty()];
-    let back = outside.into_iter().chain(solved).filter(|b| *b).count();
+    let back = behind.into_iter().chain(solved).filter(|b| *b).count();
+    let (in_space, enf) = (in_space.len(), [in_space, on_line].concat());
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
     let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
     let copies = slow.iter().flat_map(|(_, group, _)| group.ports.iter().map(|p| p.at));
@@ -163,7 +166,7 @@ pub fn schedule(
     };
     layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
-    let mut forces = pass_list::forces(&layout, links.forces, links.late, weight);
+    let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space);
     if let Some((_, group, _)) = &slow {
         slow::passes(group, &mut reads, &mut forces);
     }

@@ -208,6 +208,13 @@ impl Resolved {
         self.medium_of(m.group)
     }
 
+    /// True for a force from outside on a mass that is on a line, in the sound. (What pushes masses of groups at the gesture rate is there
+    /// before any pass.)
+    pub fn pushes_line(&self, p: &Push) -> bool {
+        let in_space = |m: u32| self.mats[m as usize].in_space();
+        !self.slow && !matches!(p.end, End::Mat(m) if in_space(m))
+    }
+
     /// The medium of a group; that of the model without one.
     pub fn medium_of(&self, group: Option<u32>) -> Medium {
         group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()

@@ -26,7 +26,7 @@ pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
 /// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
 pub fn enf<const COUNTED: bool>(op: &Op, layout: &Layout, s: &mut State) {
     let mut last = u32::MAX;
-    for p in &layout.enf[..op.n] {
+    for p in &layout.enf[op.first..][..op.n] {
         let v = s.input[p.input as usize];
         let force = if v.is_finite() { v } else { 0.0 };
         s.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);

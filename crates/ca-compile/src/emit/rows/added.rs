@@ -56,10 +56,15 @@ impl Added {
     /// Moving points, weight, ports, and who reads a sum.
     fn others(&mut self, plan: &Plan) {
         let net = plan.net;
+        for (push, slot) in net.pushes.iter().filter_map(|p| Some((p, plan.alive(p.end, p.axis)?))) {
+            let slot = slot as usize;
+            self.whole[slot] |= !net.pushes_line(push);
+            self.behind[slot] = self.behind[slot].saturating_add(1);
+        }
         for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
             let slot = *slot as usize;
             // where nothing touches the point it gives nothing
-            let touched = self.whole[slot] || !self.of(slot).is_empty();
+            let touched = self.whole[slot] || self.behind[slot] > 0 || !self.of(slot).is_empty();
             for m in net.families.of(&p.family).nodes {
                 let node = plan.slot[*m as usize] as usize;
                 self.whole[node] |= p.shape.is_some();
@@ -67,21 +72,15 @@ impl Added {
             }
         }
         for (m, slot) in net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX) {
-            let slots = *slot as usize..*slot as usize + m.slots() as usize;
-            if !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0) {
-                self.behind[slots.clone()].iter_mut().for_each(|b| *b = b.saturating_add(1));
-            }
-            if matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
-                mark(&mut self.whole, *slot, slots.len());
+            let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
+            if weighed || matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
+                mark(&mut self.whole, *slot, m.slots() as usize);
             }
         }
         let read = net.outs.iter().filter_map(|o| match o.tap {
             OutputTap::ForceOn(e) => plan.alive(e, o.axis),
             _ => None,
         });
-        for slot in net.pushes.iter().filter_map(|p| plan.alive(p.end, p.axis)) {
-            self.behind[slot as usize] = self.behind[slot as usize].saturating_add(1);
-        }
         let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
         let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
         read.chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
