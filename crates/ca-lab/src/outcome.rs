@@ -51,7 +51,13 @@ impl Outcome {
         let ended = |status, message| Outcome { status, message, failed: None };
         if level.clipped + level.non_finite > 0 {
             let (clipped, none) = (level.clipped, level.non_finite);
-            return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value"));
+            let most = level.peak.iter().copied().fold(0.0, f64::max);
+            let above = if clipped > 0 {
+                format!(", the loudest by {:.1} dB: lower `gain`", 20.0 * most.log10())
+            } else {
+                String::new()
+            };
+            return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value{above}"));
         }
         match refused {
             0 => ended("ok", String::new()),

@@ -174,6 +174,10 @@ fn instances(loaded: &Loaded, spec: &BatchSpec) -> Result<usize, Failure> {
         if name == "rate.sound" {
             return Err(Failure::Usage("`rate.sound` cannot be varied: all sounds of a batch have one rate".into()));
         }
+        if name == "model.seconds" {
+            let what = "`model.seconds` cannot be varied: all sounds of a batch are equally long; give its `seconds`";
+            return Err(Failure::Usage(what.into()));
+        }
         if let Some(value) = all.first() {
             load::set(&mut loaded.clone(), name, value.clone())?;
         }
@@ -312,8 +316,14 @@ impl Shared<'_> {
         let scene = &compiled.scene;
         let probes = scene.n_out - scene.channels;
         if (scene.rate, scene.channels, probes) != (self.rate, self.channels, self.probes) {
-            let what = format!("{} channels and {probes} probes at {} Hz", scene.channels, scene.rate);
-            return Err(Failure::Failed(format!("{what}: not those of the scene as it is")));
+            let of = |channels: usize, probes: usize, rate: f64| {
+                format!("{channels} channels and {probes} probes at {rate} Hz")
+            };
+            return Err(Failure::Failed(format!(
+                "{}, where the scene as it is has {}: all instances of a batch have one shape",
+                of(scene.channels, probes, scene.rate),
+                of(self.channels, self.probes, self.rate)
+            )));
         }
         let mut level = Level::new(self.channels);
         let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {

@@ -52,7 +52,7 @@ class Batch:
     message: tuple[str, ...]
     #: when each diverged [s], and the module to blame
     failed: tuple[tuple[float, str] | None, ...]
-    #: greatest |sample| of each before the ceiling
+    #: greatest |sample| of each in all its channels, before the ceiling (instances); 1 is full scale
     peak: Floats
 
     @property
@@ -82,7 +82,8 @@ def batch(
 ) -> Batch:
     """Plays a scene once for each row of values, on all cores; every instance has the bits of a render of its own.
 
-    One that cannot be, or diverges, is silence (from there on) with its `status`, and ends nothing. All are equally long.
+    One that cannot be, or diverges, is silence (from there on) with its `status`, and ends nothing; so is one that has other numbers
+    of channels or probes than the scene as it is (``invalid``). All are equally long.
 
     Args:
         scene: what is played.
@@ -95,7 +96,8 @@ def batch(
         progress: called now and then with how many instances of how many are done.
 
     Raises:
-        UsageError: no such parameter, columns of several lengths, more than fits into memory, an option that makes no sense.
+        UsageError: no such parameter, columns of several lengths, a value that is no number, text or list, ``rate.sound`` or
+            ``model.seconds`` as a column, more than fits into memory, an option that makes no sense.
         ModelError: the scene itself has errors, or a probe chooses nothing.
 
     >>> import cordis_anima as ca, numpy as np

@@ -82,6 +82,7 @@ def test_a_number_of_a_list_and_one_with_a_unit():
         ({"low.f": [None]}, {}, "leave it out"),
         ({"rim.f[9]": [1.0]}, {}, "the model has no"),
         ({"rate.sound": [44100]}, {}, "one rate"),
+        ({"model.seconds": [1.0, 2.0]}, {}, "equally long"),
         ({"low.f": [110]}, {"dtype": "int16"}, "float32"),
         ({"low.f": [110]}, {"dtype": None}, "float32"),
         ({"low.f": [110]}, {"dtype": "no such"}, "float32"),
@@ -95,6 +96,13 @@ def test_what_makes_no_sense_is_refused(values, options, says):
         ca.batch(STRING, values, **{"seconds": 0.01, **options})
 
 
+def test_what_is_too_loud_says_by_how_much():
+    b = ca.batch(STRING, {"out.gain": [1e6, 1.0]}, 0.05)
+    assert b.status.tolist() == ["clipped", "ok"] and b.peak.shape == (2,)
+    above = float(b.message[0].partition("the loudest by ")[2].partition(" dB")[0])
+    assert abs(above - 20 * np.log10(b.peak[0])) < 0.06 and "lower `gain`" in b.message[0]
+
+
 def test_what_a_callback_raises_ends_it():
     def stop(done, of):
         raise RuntimeError("enough")
@@ -106,7 +114,7 @@ def test_what_a_callback_raises_ends_it():
 def test_an_instance_on_a_channel_of_its_own_takes_none_of_another() -> None:
     two = ca.parse("[CEL]\na = { m = '1 g', f = 300, v = '1 cm/s' }\n[SOX]\nout = { from = 'a', gain = 9, channel = 0 }\n")
     b = ca.batch(two, {"out.channel": [0, 1, 0]}, 0.02, threads=1)
-    assert b.status.tolist() == ["ok", "invalid", "ok"] and "channels" in b.message[1]
+    assert b.status.tolist() == ["ok", "invalid", "ok"] and "2 channels and 0 probes" in b.message[1]
     assert np.array_equal(b.audio[0], two.render(0.02).audio) and np.array_equal(b.audio[2], b.audio[0])
     kalimba = ca.load("kalimba")
     b = ca.batch(kalimba, {"wood_left.gain": [14, 7]}, 1.0)
