@@ -7,7 +7,7 @@
 //! its numbers are differenced for themselves, and who asks for sound alone pays nothing. Only sums are given, at as many
 //! instants as are asked for: a number of each link in each sample would be more than anybody reads.
 
-use crate::forward::{Played, diverged, zeros};
+use crate::played::{Played, diverged, zeros};
 use crate::{Error, Forward, GoesOn, Parameter};
 use ca_core_dual::numeric::{Dual, TANGENTS};
 use ca_core_dual::state::Balance;
@@ -102,7 +102,7 @@ impl Energy {
         goes_on: GoesOn,
     ) -> Result<EnergyTangents, Error> {
         let forward = &self.forward;
-        let played = Played::new(forward, seconds, gesture, goes_on)?;
+        let played = Played::new(&forward.plain, seconds, gesture, goes_on)?;
         let (frames, n) = (played.frames, forward.parameters().len());
         if instants == 0 || instants > frames {
             return Err(Error::refused(format!(

@@ -3,13 +3,14 @@
 //! Decides for as many renders as there are seven parameters begun, one after the other: a number and seven derivatives fill the
 //! vectors of a processor, and a loop over any number of them would be one of loads and stores. A scene that is linear for the most
 //! part is left to its own passes ([`crate::tangent`]). What the ports are given
-//! is written down beforehand, tick by tick, by the one loop that reads gestures ([`Performance`]); a scene without ports
+//! is written down beforehand, tick by tick, by the one loop that reads gestures ([`Played`]); a scene without ports
 //! needs none of it.
 
 use crate::difference::{Start, derivatives};
-use crate::numbers::Numbers;
 use crate::parameter::put_dual;
-use crate::reverse::parts::Parts;
+use crate::parts::Parts;
+use crate::parts::numbers::Numbers;
+use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile_dual::load::finish;
@@ -18,23 +19,17 @@ use ca_core_dual::numeric::{Dual, TANGENTS};
 use ca_core_dual::state::State;
 use ca_core_dual::{Catalog, Scene, tick};
 use ca_io::gesture::Gesture;
-use ca_io::perform::{self, DIVERGED, Performance};
+use ca_io::perform::DIVERGED;
 use ca_model::write::write;
 use ca_model_dual::diag::{Diags, Severity};
 use ca_model_dual::{Model, read};
 use cordis_anima::{Loaded, Options};
 use std::sync::Arc;
 
-/// Asked now and then, while it plays, whether to go on.
-pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
-
-/// Ticks between two such questions.
-pub(crate) const BLOCK: u64 = 1024;
-
 /// A scene, with the derivatives of all that it begins with.
 pub struct Forward {
     /// in double precision, for its ports
-    plain: ca_core::Scene,
+    pub(crate) plain: ca_core::Scene,
     parameters: Vec<Parameter>,
     /// of each parameter, the derivatives of the numbers of the scene
     derivatives: Vec<Vec<f64>>,
@@ -204,7 +199,7 @@ impl Forward {
         gesture: Option<&Gesture>,
         goes_on: GoesOn,
     ) -> Result<Tangents, Error> {
-        let played = Played::new(self, seconds, gesture, goes_on)?;
+        let played = Played::new(&self.plain, seconds, gesture, goes_on)?;
         let (frames, outputs, n) = (played.frames, self.plain.n_out, self.parameters.len());
         let mut to = Tangents {
             rate: self.plain.rate,
@@ -238,7 +233,7 @@ impl Forward {
     /// # Errors
     /// As [`Forward::tangents`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        output(&self.plain, seconds, gesture, goes_on)
+        crate::played::output(&self.plain, seconds, gesture, goes_on)
     }
 
     /// The gradient of a loss of what is heard (parameters), from its cotangent: the derivatives of the loss by each number that is
@@ -249,7 +244,7 @@ impl Forward {
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         let outputs = self.plain.n_out.max(1);
         let seconds = frames_of(cotangent, outputs)? as f64 / self.plain.rate;
-        let played = Played::new(self, Some(seconds), gesture, goes_on)?;
+        let played = Played::new(&self.plain, Some(seconds), gesture, goes_on)?;
         let n = self.parameters.len();
         let mut gradient = vec![0.0; n];
         for first in (0..n).step_by(TANGENTS) {
@@ -313,108 +308,6 @@ impl Forward {
 
     fn compiled(&self, model: &Model) -> Result<Scene, String> {
         finish(model, Diags::new(), &self.catalog, &self.options).map(|c| c.scene).map_err(first)
-    }
-}
-
-/// What a scene is given while it plays.
-pub(crate) struct Played {
-    /// samples
-    pub(crate) frames: usize,
-    /// what the ports are given (frames x inputs)
-    given: Vec<f64>,
-    /// where hands are at the first tick, and under way (inputs)
-    hands: Vec<Option<[f64; 2]>>,
-}
-
-impl Played {
-    pub(crate) fn new(
-        forward: &Forward,
-        seconds: Option<f64>,
-        gesture: Option<&Gesture>,
-        goes_on: GoesOn,
-    ) -> Result<Played, Error> {
-        let scene = &forward.plain;
-        let mut p = Performance::new(scene, gesture)?;
-        known(scene, &p)?;
-        let frames = perform::frames(scene, perform::seconds(&p, seconds)) as usize;
-        let n = scene.inputs.len();
-        let hands = (0..n).map(|i| p.hand(i)).collect();
-        let mut given = zeros(frames, n, 1)?;
-        for (row, tick) in given.chunks_exact_mut(n.max(1)).zip(1_u64..) {
-            p.tick();
-            row.copy_from_slice(&p.state.input);
-            if tick.is_multiple_of(BLOCK) && !goes_on() {
-                return Err(Error::Stopped);
-            }
-        }
-        Ok(Played { frames, given, hands })
-    }
-}
-
-/// A table of so many frames, outputs and numbers, all 0.
-pub(crate) fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
-    let (n, mut all) = (frames.checked_mul(outputs).and_then(|n| n.checked_mul(each)), Vec::new());
-    match n.filter(|n| all.try_reserve_exact(*n).is_ok()) {
-        Some(n) => {
-            all.resize(n, 0.0);
-            Ok(all)
-        }
-        None => Err(Error::refused(format!(
-            "{frames} samples with {each} numbers for each of {outputs} outputs do not fit into memory; play less, or ask for a gradient"
-        ))),
-    }
-}
-
-pub(crate) fn diverged() -> Error {
-    Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
-}
-
-/// What is heard of a scene (frames x outputs).
-pub(crate) fn output(
-    scene: &ca_core::Scene,
-    seconds: Option<f64>,
-    gesture: Option<&Gesture>,
-    goes_on: GoesOn,
-) -> Result<Vec<f64>, Error> {
-    let mut p = Performance::new(scene, gesture)?;
-    let frames = perform::frames(scene, perform::seconds(&p, seconds));
-    let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.n_out, 1)?;
-    all.clear();
-    let mut left = frames;
-    while left > 0 {
-        let run = left.min(BLOCK);
-        p.ticks(run, &mut all);
-        left -= run;
-        if !goes_on() {
-            return Err(Error::Stopped);
-        }
-    }
-    if p.diverged { Err(diverged()) } else { Ok(all) }
-}
-
-/// How many samples a cotangent has.
-pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
-    if let Some(at) = cotangent.iter().position(|v| !v.is_finite()) {
-        let what = format!("the cotangent of sample {} is {}, and not a number to go by", at / outputs, cotangent[at]);
-        return Err(Error::refused(what));
-    }
-    if cotangent.is_empty() {
-        return Err(Error::refused("the cotangent is empty: the scene has no outputs, or it is played for no time"));
-    }
-    if !cotangent.len().is_multiple_of(outputs) {
-        let what = format!("a cotangent has a number for each of {outputs} outputs, not {} in all", cotangent.len());
-        return Err(Error::refused(what));
-    }
-    Ok(cotangent.len() / outputs)
-}
-
-/// Refuses a gesture that moves a live parameter.
-pub(crate) fn known(scene: &ca_core::Scene, p: &Performance) -> Result<(), Error> {
-    match p.driven().into_iter().find(|name| scene.input(name).is_none()) {
-        Some(name) => {
-            Err(Error::refused(format!("a gesture moves the live parameter `{name}`, which is not differentiated")))
-        }
-        None => Ok(()),
     }
 }
 

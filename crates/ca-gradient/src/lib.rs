@@ -44,13 +44,15 @@ mod difference;
 mod energy;
 mod error;
 mod forward;
-mod numbers;
 mod parameter;
+mod parts;
+mod played;
 mod reverse;
 mod tangent;
 
 pub use energy::{ACCOUNTS, Energy, EnergyTangents};
 pub use error::Error;
-pub use forward::{Forward, GoesOn, Tangents};
+pub use forward::{Forward, Tangents};
+pub use played::GoesOn;
 pub use parameter::Parameter;
 pub use reverse::{Gradient, Reverse};

@@ -10,9 +10,10 @@
 //! are 0. What is owed to the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
 //! ([`Parts::summed`]): there more is owed while links are run.
 
+use crate::parts::record::{Record, Row, whole_lines};
+use crate::parts::rows::Rows;
+use crate::parts::{Basis, Link, Parts, number, unknown};
 use crate::reverse::heard::{Outputs, Owed};
-use crate::reverse::parts::{Basis, Link, Parts, number, unknown};
-use crate::reverse::record::{Record, Row, whole_lines};
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
@@ -85,18 +86,19 @@ impl<'a> Adjoint<'a> {
         }
         let is_needed = |v: f64| needed[number(v)];
         let (coef, e0) = (&place.initial.coef, &place.layout.e0);
-        let wanted = |mut l: Links| {
-            let c = &coef[l.coef..][..l.basis.0.len() * l.n];
-            l.want(c.iter().any(|v| is_needed(*v)), e0[l.first..][..l.n].iter().any(|v| is_needed(*v)));
+        let wanted = |of: Rows| {
+            let mut l = Links::new(of);
+            let c = &coef[l.of.coef..][..l.of.basis.0.len() * l.of.n];
+            l.want(c.iter().any(|v| is_needed(*v)), e0[l.of.first..][..l.of.n].iter().any(|v| is_needed(*v)));
             (!l.is_idle()).then_some(l)
         };
-        let listed = |(k, basis): &(usize, Basis)| wanted(Links::listed(scene, &scene.forces[*k], basis));
+        let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.forces[*k], basis));
         let solved = |k: &usize| {
-            let mut l = wanted(Links::listed(scene, &scene.forces[*k], &Basis::implicit()))?;
+            let mut l = wanted(Rows::listed(scene, &scene.forces[*k], &Basis::implicit()))?;
             l.want_ahead();
             Some(l)
         };
-        let of_row = |(k, basis): &(usize, Basis)| Links::row(&scene.moves[*k], basis);
+        let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.moves[*k], basis);
         let n = scene.layout.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
         let no = |op: usize| unknown(&scene.forces[op]);
@@ -377,20 +379,20 @@ impl<'a> Adjoint<'a> {
         for l in self.listed.iter().chain(&self.rows) {
             for (i, (by_e, by_w)) in l.products[0].iter().zip(&l.products[1]).enumerate() {
                 if let Some(ahead) = l.ahead.get(i) {
-                    let [k, z, theta] = [0, 1, 2].map(|k| l.coef + k * l.n + i);
+                    let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
                     let more = ahead - by_w;
                     owed[number(coef[k])] += by_e + own[theta] * more;
                     owed[number(coef[z])] += by_w + 0.5 * more;
                     owed[number(coef[theta])] += own[k] * more;
                     continue;
                 }
-                for (k, [e, w]) in l.basis.0.iter().enumerate() {
-                    owed[number(coef[l.coef + k * l.n + i])] += e * by_e + w * by_w;
+                for (k, [e, w]) in l.of.basis.0.iter().enumerate() {
+                    owed[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
                 }
             }
             for (i, alone) in l.alone.iter().enumerate() {
-                let [slope, _] = l.basis.slopes(|k| own[l.coef + k * l.n + i]);
-                owed[number(place.layout.e0[l.first + i])] += slope * alone;
+                let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
+                owed[number(place.layout.e0[l.of.first + i])] += slope * alone;
             }
         }
         for (v, by) in place.initial.mem.iter().zip(&self.mem) {

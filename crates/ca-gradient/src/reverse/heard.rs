@@ -1,6 +1,7 @@
 //! Heard: outputs on the way back, from what a loss owes to samples to what it owes to places, motions and forces.
 
-use crate::reverse::record::Row;
+use crate::parts::outputs::{Listed, listed};
+use crate::parts::record::Row;
 use ca_core::Scene;
 use ca_core::op::layout::{Blocker, Tap};
 
@@ -44,37 +45,21 @@ impl Outputs {
     /// Those of a scene.
     pub fn of(scene: &Scene) -> Outputs {
         let l = &scene.layout;
-        let gains = scene.writes.iter().find(|op| op.name == "outputs").map_or(0, |op| op.coef);
-        let [motion, passed] = l.of_motion;
-        let (n, high) = (l.outputs.len(), l.blockers.len());
-        let heard = |(k, o): (usize, &ca_core::op::layout::Output)| Heard {
-            channel: o.channel as usize,
+        let heard = |o: Listed| Heard {
+            channel: o.channel,
             tap: o.tap,
-            gain: scene.initial.coef[gains + k],
-            at: gains + k,
-            motion: k >= n - passed || (n - high - motion..n - high).contains(&k),
-            high_pass: k.checked_sub(n - high).map(|k| (k, l.blockers[k])),
+            gain: scene.initial.coef[o.gain],
+            at: o.gain,
+            motion: o.motion,
+            high_pass: o.high_pass.map(|k| (k, l.blockers[k])),
             kept: 0.0,
         };
         Outputs {
-            all: l.outputs.iter().enumerate().map(heard).collect(),
+            all: listed(scene).map(heard).collect(),
             low_pass: l.lowpass.clone(),
             channels: l.channels,
             n_out: l.n_out,
         }
-    }
-
-    /// The outputs without a high pass: the index of the gain of each into the coefficients, its channel, what it hears, and whether it
-    /// hears motion; and the number of those that hear forces before it.
-    pub fn gains(&self) -> impl Iterator<Item = (usize, usize, Tap, bool, usize)> {
-        let mut forces = 0;
-        let each = self.all.iter().map(move |h| {
-            let before = forces;
-            forces += usize::from(!matches!(h.tap, Tap::Position(_)));
-            (h, before)
-        });
-        let plain = each.filter(|(h, _)| h.high_pass.is_none());
-        plain.map(|(h, before)| (h.at, h.channel, h.tap, h.motion, before))
     }
 
     /// What is owed to the channels before their low-pass (frames x outputs).

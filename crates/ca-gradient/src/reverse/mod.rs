@@ -2,24 +2,23 @@
 //!
 //! Decides against a tape, which would keep every operation of every tick. Between two ticks only places, motions and memory
 //! decide the future: the scene is played once, with a state kept every √n ticks; then, from the last stretch between two such to the
-//! first, it is played once more ([`record`]) and gone back over tick by tick ([`adjoint`]). What is linear goes back as fast as it
-//! plays, since its transpose is itself; every other link is run alone, over dual numbers ([`alone`]). So time does not
+//! first, it is played once more ([`crate::parts::record`]) and gone back over tick by tick ([`adjoint`]). What is linear goes back as fast as it
+//! plays, since its transpose is itself; every other link is run alone, over dual numbers ([`crate::parts::alone`]). So time does not
 //! grow with the number of parameters, nor memory with more than the root of that of ticks.
 //!
 //! The derivatives are those of forward mode: at a contact's switch, one-sided in the same sense. What a parameter makes of the numbers
 //! of a scene is had by differences, as there.
 
 mod adjoint;
-pub(crate) mod alone;
-pub(crate) mod heard;
-pub(crate) mod parts;
-pub(crate) mod record;
-pub(crate) mod single;
-pub(crate) mod sums;
+mod heard;
+mod single;
+mod sums;
 mod taps;
 
-use crate::forward::{BLOCK, diverged};
-use crate::numbers::Numbers;
+use crate::played::{BLOCK, diverged, frames_of, known};
+use crate::parts::numbers::Numbers;
+use crate::parts::record::Record;
+use crate::parts::{Parts, no, number};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
@@ -28,8 +27,6 @@ use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use cordis_anima::{Loaded, Options};
-use parts::{Parts, no, number};
-use record::Record;
 
 /// A scene that is gone back over.
 pub struct Reverse {
@@ -134,7 +131,7 @@ impl Reverse {
     /// # Errors
     /// As [`Forward::output`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        crate::forward::output(&self.scene, seconds, gesture, goes_on)
+        crate::played::output(&self.scene, seconds, gesture, goes_on)
     }
 
     /// True where a gesture can be gone back over: no port is under way at load that holds a link which goes by the sum of all forces.
@@ -209,9 +206,9 @@ impl Reverse {
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
         let outputs = scene.n_out.max(1);
-        let frames = crate::forward::frames_of(cotangent, outputs)?;
+        let frames = frames_of(cotangent, outputs)?;
         let mut p = Performance::new(scene, gesture)?;
-        crate::forward::known(scene, &p)?;
+        known(scene, &p)?;
         if self.starts_with_hands(&p) {
             return Err(Error::Refused(no("where a port is at load is part of the start")));
         }

@@ -1,8 +1,9 @@
 //! Single: links that are run alone, on the way back over a tick.
 
-use crate::reverse::alone::{Alone, Owed, Port, Shape};
-use crate::reverse::parts::{Link, number};
-use crate::reverse::record::Row;
+use crate::parts::alone::{Alone, Owed, Port};
+use crate::parts::reads::{Reads, reads};
+use crate::parts::record::Row;
+use crate::parts::{Link, number};
 use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State};
 
@@ -23,41 +24,6 @@ pub struct Way<'w> {
     pub driven: &'w mut [f64],
 }
 
-/// What a link that is run alone reads of a scene.
-pub struct Reads {
-    /// numbers: index into what it reads, the number, and its place among the numbers of the scene
-    pub numbers: Vec<(usize, f64, f64)>,
-    /// where the last lengths of its ports stand
-    pub lengths: Vec<usize>,
-}
-
-/// What a link of this `shape` reads; `place` is the scene with each number replaced by its place among them.
-pub fn reads(scene: &Scene, place: &Scene, link: &Link, sh: &Shape) -> Reads {
-    let op = &scene.forces[link.op];
-    let (n, i) = (scene.layout.n_mat, link.i);
-    let lengths: Vec<usize> =
-        [Some(op.ports.reach), op.ports.onto.map(|o| o.2)].into_iter().flatten().map(|r| r + i).collect();
-    let mut numbers: Vec<(usize, f64, f64)> = Vec::new();
-    let coefs = [&scene.initial.coef, &place.initial.coef];
-    let mut number_at = |k: usize, [v, at]: [f64; 2]| numbers.push((k, v, at));
-    for k in 0..sh.coefs {
-        number_at(sh.coef() + k, coefs.map(|c| c[op.coef + k * op.n + i]));
-    }
-    number_at(sh.e0(), [scene, place].map(|s| s.layout.e0[op.first + i]));
-    for (which, (p, r)) in sh.ports.iter().zip(&lengths).enumerate().filter(|(_, (p, _))| p.axes > 1) {
-        debug_assert_eq!(p.axes, 3);
-        for k in 0..4 {
-            number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.reach[*r][k]));
-        }
-    }
-    for (k, slot) in link.slots.iter().enumerate() {
-        for which in 0..3 {
-            number_at(sh.own() + which * sh.slots + k, coefs.map(|c| c[which * n + slot]));
-        }
-    }
-    Reads { numbers, lengths }
-}
-
 /// A link that is run alone, with its numbers.
 pub struct Single {
     alone: Alone,
@@ -71,7 +37,7 @@ pub struct Single {
     idle: Option<(f64, f64)>,
     /// what it reads that some parameter changes: index into what it reads, and into the numbers
     numbers: Vec<(usize, usize)>,
-    /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](super::parts::Parts::driven)
+    /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](crate::parts::Parts::driven)
     driven: Vec<(usize, usize)>,
     /// what it reads of which is asked what is owed to it, in each tick, and where lengths before are not kept
     wanted: [Vec<usize>; 2],

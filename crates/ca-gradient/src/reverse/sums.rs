@@ -5,26 +5,14 @@
 //! sums of νd, νx and νd' are. Decides to take some ticks together: eight links or masses at a time stay in registers while all of these ticks go by,
 //! since to read and write their sums in each takes longer than the tick itself. Only what some parameter changes is summed.
 
-use crate::reverse::parts::Basis;
-use ca_core::Scene;
-use ca_core::op::{Band, Op};
-use ca_core::state::Fold;
+use crate::parts::rows::Rows;
 use pulp::Arch;
 use std::ops::Range;
 
 /// What is owed to the force of the links of a pass, and its products.
 pub struct Links {
-    /// what its law is made of
-    pub basis: Basis,
-    /// rows of links: how many, and the slots of the two ends of the first; none where ends are looked up
-    pub rows: Vec<(usize, [usize; 2])>,
-    /// index of its first coefficient, and of its first constant elongation
-    pub coef: usize,
-    pub first: usize,
-    /// links
-    pub n: usize,
-    /// slots of the ends of links that are in no row
-    pub ends: Vec<[u32; 2]>,
+    /// the links
+    pub of: Rows,
     /// sums of φe and φw, where a coefficient is to have its due
     pub products: [Vec<f64>; 2],
     /// of implicit links, sums of φ with the change of elongation in the tick that follows
@@ -34,39 +22,14 @@ pub struct Links {
 }
 
 impl Links {
-    /// Those of a pass that sums forces.
-    pub fn listed(scene: &Scene, op: &Op, basis: &Basis) -> Links {
-        let (rows, ends) = match op.form.stride {
-            0 => (Vec::new(), scene.layout.ends[op.first..][..op.n].to_vec()),
-            stride => (vec![(op.n, [op.mat, op.mat + stride])], Vec::new()),
-        };
-        Links { ends, ..Links::new(basis, op.n, rows, (op.coef, op.first)) }
-    }
-
-    /// Those of a pass that integrates, along it and across.
-    pub fn row(op: &Op, basis: &Basis) -> Vec<Links> {
-        let (n, at, coefs) = (op.n, op.mat, basis.0.len());
-        if !op.form.folded {
-            return vec![Links::new(basis, n, vec![(n, [at, at + 1])], (op.coef, op.first))];
-        }
-        // of the last vectors the neighbours stand in the next lane, at the beginning; behind the last lane there is no link
-        let folded = |step: usize, at_numbers: (usize, usize)| {
-            let rows = vec![(n - step, [at, at + step]), (step, [at + n - step, at + 1])];
-            Links::new(basis, n, rows, at_numbers)
-        };
-        let along = folded(Fold::LANES, (op.coef, op.first));
-        let Band::Along(width) = op.form.band else { return vec![along] };
-        vec![along, folded(width * Fold::LANES, (op.coef + coefs * n, op.first + n))]
-    }
-
-    fn new(basis: &Basis, n: usize, rows: Vec<(usize, [usize; 2])>, (coef, first): (usize, usize)) -> Links {
-        let (products, ahead, alone) = Default::default();
-        Links { basis: basis.clone(), rows, coef, first, n, ends: Vec::new(), products, ahead, alone }
+    /// Of these links, nothing of which is summed yet.
+    pub fn new(of: Rows) -> Links {
+        Links { of, products: Default::default(), ahead: Vec::new(), alone: Vec::new() }
     }
 
     /// Sums what some parameter changes.
     pub fn want(&mut self, coefficients: bool, elongations: bool) {
-        let n = |wanted: bool| if wanted { self.n } else { 0 };
+        let n = |wanted: bool| if wanted { self.of.n } else { 0 };
         self.products = [vec![0.0; n(coefficients)], vec![0.0; n(coefficients)]];
         self.alone = vec![0.0; n(elongations)];
     }
@@ -84,10 +47,10 @@ impl Links {
     /// Adds some ticks of the links of rows whose first ends are among these slots.
     #[inline(always)]
     fn add(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
-        let e0 = &e0[self.first..][..self.n];
+        let e0 = &e0[self.of.first..][..self.of.n];
         let mut from = 0;
-        for row in 0..self.rows.len() {
-            let (n, [a, b]) = self.rows[row];
+        for row in 0..self.of.rows.len() {
+            let (n, [a, b]) = self.of.rows[row];
             let mut i = slots.start.saturating_sub(a).next_multiple_of(LANES);
             while i < n && a + i < slots.end {
                 if i + LANES <= n {
@@ -106,9 +69,9 @@ impl Links {
     /// The same of links that are in no row.
     #[inline(always)]
     fn add_listed(&mut self, ticks: &Seen, e0: &[f64]) {
-        let e0 = &e0[self.first..][..self.n];
-        for i in 0..self.ends.len() {
-            self.some::<1>(ticks, e0, self.ends[i].map(|m| m as usize), i);
+        let e0 = &e0[self.of.first..][..self.of.n];
+        for i in 0..self.of.ends.len() {
+            self.some::<1>(ticks, e0, self.of.ends[i].map(|m| m as usize), i);
         }
     }
 

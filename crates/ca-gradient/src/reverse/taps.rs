@@ -3,8 +3,8 @@
 //! Decides to go back over what is heard of them apart from what moves masses: their passes, which are their own transposes, know of
 //! the latter alone.
 
-use crate::reverse::parts::{Basis, Parts, number};
-use crate::reverse::record::Row;
+use crate::parts::record::Row;
+use crate::parts::{Basis, Parts, number};
 use ca_core::op::Band;
 use ca_core::{Scene, State};
 

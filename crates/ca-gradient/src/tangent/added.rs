@@ -5,16 +5,16 @@
 //! force after division by C. Decides to measure elongations once for all parameters, and to leave out each term that
 //! no number of a list changes.
 
-use crate::reverse::parts::{Parts, number};
-use crate::reverse::record::Row;
-use crate::reverse::sums::Links;
+use crate::parts::record::Row;
+use crate::parts::rows::Rows;
+use crate::parts::{Parts, number};
 use ca_core::{Scene, State};
 use pulp::Arch;
 
 /// What the numbers of a list of links add: for each parameter Σ ċα, Σ ċβ, and what changed constant elongations add; empty
 /// where nothing is changed (links, or none).
 struct List {
-    links: Links,
+    links: Rows,
     by: Vec<[Vec<f64>; 3]>,
 }
 
@@ -41,7 +41,7 @@ impl Added {
     /// among them.
     pub fn new(scene: &Scene, parts: &Parts, place: &Scene, columns: &[&[f64]]) -> Added {
         let (coef, own) = (&place.initial.coef, &scene.initial.coef);
-        let list = |links: Links| {
+        let list = |links: Rows| {
             let by = |column: &&[f64]| {
                 let sum = |i: usize, which: usize| {
                     let each = links.basis.0.iter().enumerate();
@@ -61,8 +61,8 @@ impl Added {
             let by: Vec<[Vec<f64>; 3]> = columns.iter().map(by).collect();
             by.iter().flatten().any(|v| !v.is_empty()).then_some(List { links, by })
         };
-        let listed = parts.linear.iter().map(|(k, basis)| Links::listed(scene, &scene.forces[*k], basis));
-        let rows = parts.rows.iter().flat_map(|(k, basis)| Links::row(&scene.moves[*k], basis));
+        let listed = parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.forces[*k], basis));
+        let rows = parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.moves[*k], basis));
         let (listed, rows): (Vec<List>, Vec<List>) =
             (listed.filter_map(list).collect(), rows.filter_map(list).collect());
         let n = scene.layout.n_mat;
@@ -167,7 +167,7 @@ impl pulp::WithSimd for Tick<'_> {
 
 /// Elongations and their changes.
 #[inline(always)]
-fn elongations(links: &Links, row: &Row, e0: &[f64], e: &mut [f64], w: &mut [f64]) {
+fn elongations(links: &Rows, row: &Row, e0: &[f64], e: &mut [f64], w: &mut [f64]) {
     let (x, d, mut from) = (row.x, row.d, 0);
     for (n, [a, b]) in &links.rows {
         differences(&x[*a..][..*n], &x[*b..][..*n], &mut e[from..][..*n]);

@@ -1,8 +1,8 @@
 //! Gains: what changed gains of outputs add to the derivatives of what is heard.
 
-use crate::reverse::heard::Outputs;
-use crate::reverse::parts::number;
-use crate::reverse::record::Row;
+use crate::parts::number;
+use crate::parts::outputs::{Listed, listed};
+use crate::parts::record::Row;
 use ca_core::op::layout::Tap;
 use ca_core::{Scene, State};
 
@@ -23,11 +23,12 @@ pub struct Gains(Vec<Gain>);
 impl Gains {
     /// Those that the parameters change whose derivatives of the numbers are `columns`.
     pub fn new(scene: &Scene, place: &Scene, columns: &[&[f64]]) -> Gains {
-        let gain = |(at, channel, tap, motion, force): (usize, usize, Tap, bool, usize)| {
-            let by = columns.iter().map(|column| column[number(place.initial.coef[at])]).collect();
-            Gain { channel, tap, motion, force, by }
+        let gain = |o: Listed| {
+            let by = columns.iter().map(|column| column[number(place.initial.coef[o.gain])]).collect();
+            Gain { channel: o.channel, tap: o.tap, motion: o.motion, force: o.forces, by }
         };
-        Gains(Outputs::of(scene).gains().map(gain).filter(|g| g.by.iter().any(|v| *v != 0.0)).collect())
+        let without = listed(scene).filter(|o| o.high_pass.is_none());
+        Gains(without.map(gain).filter(|g| g.by.iter().any(|v| *v != 0.0)).collect())
     }
 
     /// Adds to what is heard of the derivatives by parameter `q` in a tick, which began with `row`.

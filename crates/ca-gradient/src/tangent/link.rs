@@ -1,9 +1,9 @@
 //! Link: one that is run alone, with the derivatives of all that it reads.
 
-use crate::reverse::alone::Alone;
-use crate::reverse::parts::{Link, number};
-use crate::reverse::record::Row;
-use crate::reverse::single::{Reads, reads};
+use crate::parts::alone::Alone;
+use crate::parts::reads::{Reads, reads};
+use crate::parts::record::Row;
+use crate::parts::{Link, number};
 use ca_core::{Scene, State};
 
 /// A link that is run alone.

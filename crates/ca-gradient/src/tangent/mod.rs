@@ -11,10 +11,13 @@ mod gains;
 mod link;
 
 use crate::Error;
-use crate::numbers::Numbers;
-use crate::reverse::heard::Outputs;
-use crate::reverse::parts::{Link, Parts, number};
-use crate::reverse::record::Record;
+use crate::parts::alone::Alone;
+use crate::parts::numbers::Numbers;
+use crate::parts::outputs::listed;
+use crate::parts::reads::reads;
+use crate::parts::record::Record;
+use crate::parts::{Link, Parts, number};
+use crate::played::diverged;
 use added::Added;
 use ca_core::numeric::Aligned;
 use ca_core::op::layout::Layout;
@@ -25,7 +28,7 @@ use gains::Gains;
 use link::Moving;
 
 /// A scene has to have so many masses, and so many for each link that is run alone: less are as fast by dual numbers.
-const MASSES: usize = 16;
+const MASSES: usize = 64;
 const MASSES_FOR_LINK: usize = 8;
 
 /// A scene whose derivatives are played by its own passes.
@@ -80,23 +83,23 @@ impl Tangent {
         know(&start.mem);
         know(&start.lengths);
         know(&start.coef[..3 * l.n_mat]);
-        Outputs::of(scene).gains().for_each(|(at, ..)| know(&start.coef[at..][..1]));
+        listed(scene).filter(|o| o.high_pass.is_none()).for_each(|o| know(&start.coef[o.gain..][..1]));
         for k in &self.parts.weights {
             let op = &scene.forces[*k];
             know(&start.coef[op.coef..][..op.n]);
         }
         // of links that are heard not only the passes read these
-        let listed = self.parts.linear.iter().map(|(k, _)| &scene.forces[*k]).filter(|op| !op.form.tap);
+        let sums = self.parts.linear.iter().map(|(k, _)| &scene.forces[*k]).filter(|op| !op.form.tap);
         let heard = |op: &&ca_core::op::Op| l.heard.is_empty() || op.law.is_none();
         let rows = self.parts.rows.iter().map(|(k, _)| &scene.moves[*k]).filter(heard);
-        for op in listed.chain(rows) {
+        for op in sums.chain(rows) {
             let passes = if op.form.band == ca_core::op::Band::None { 1 } else { 2 };
             know(&start.coef[op.coef..][..op.law?.coefs * op.n * passes]);
             know(&l.e0[op.first..][..op.n * passes]);
         }
         for link in self.parts.links.iter().chain(&self.parts.last) {
-            let alone = crate::reverse::alone::Alone::new(&scene.forces[link.op], &self.dual)?;
-            let reads = crate::reverse::single::reads(scene, place, link, &alone.shape);
+            let alone = Alone::new(&scene.forces[link.op], &self.dual)?;
+            let reads = reads(scene, place, link, &alone.shape);
             reads.numbers.iter().for_each(|(_, _, at)| know(&[*at]));
         }
         let changes = |i: usize| self.numbers.derivatives.iter().any(|d| d[i] != 0.0);
@@ -176,7 +179,7 @@ impl Tangent {
                 to.tangents_mut().iter_mut().zip(&states).for_each(|(t, a)| *t = a.output[k]);
             }
             if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
-                return Err(crate::forward::diverged());
+                return Err(diverged());
             }
             heard(frame, &sample)?;
         }

@@ -1,6 +1,6 @@
 //! Record: a stretch of ticks, played once more for the way back.
 
-use crate::reverse::parts::Parts;
+use crate::parts::Parts;
 use ca_core::numeric::Aligned;
 use ca_core::op::Op;
 use ca_core::op::layout::Tap;

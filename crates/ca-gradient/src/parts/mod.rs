@@ -1,11 +1,18 @@
-//! Parts: what a tick of a scene is made of, as reverse mode takes it.
+//! Parts: what a tick of a scene is made of, as derivatives by its own passes and reverse mode take it.
 //!
-//! Decides for three kinds of links. Linear ones on a line have transposes that are themselves, so that the passes of the
-//! scene run them backwards too, whatever their layout. All others are run one by one over dual numbers, each by the kernel of its law
-//! alone. Those whose force depends on the sum of others come last in a tick, and first on the way back.
-//! What is neither is refused, by the name of its pass; forward mode has no such bounds.
+//! Decides for three kinds of links. Linear ones on a line make of derivatives what they make of places, and have transposes that
+//! are themselves, so that the passes of the scene run them forwards and backwards, whatever their layout. All others are run one by one
+//! over dual numbers, each by the kernel of its law alone. Those whose force depends on the sum of others come last in a tick, and first
+//! on the way back. What is neither is refused, by the name of its pass; forward mode over dual numbers has no such bounds.
 
-use crate::reverse::alone::slots;
+pub mod alone;
+pub mod numbers;
+pub mod outputs;
+pub mod reads;
+pub mod record;
+pub mod rows;
+
+use alone::slots;
 use ca_core::Scene;
 use ca_core::op::layout::{MeasureKind, Tap};
 use ca_core::op::{Integrate, Law, Op, SolveStage};

@@ -1,0 +1,48 @@
+//! Rows: where the numbers of linear links stand, and the slots of their ends.
+
+use crate::parts::Basis;
+use ca_core::Scene;
+use ca_core::op::{Band, Op};
+use ca_core::state::Fold;
+
+/// The linear links of a pass.
+pub struct Rows {
+    /// what their law is made of
+    pub basis: Basis,
+    /// rows of links: how many, and the slots of the two ends of the first; none where ends are looked up
+    pub rows: Vec<(usize, [usize; 2])>,
+    /// slots of the ends of links that are in no row
+    pub ends: Vec<[u32; 2]>,
+    /// index of the first coefficient, and of the first constant elongation
+    pub coef: usize,
+    pub first: usize,
+    /// links
+    pub n: usize,
+}
+
+impl Rows {
+    /// Those of a pass that sums forces.
+    pub fn listed(scene: &Scene, op: &Op, basis: &Basis) -> Rows {
+        let (rows, ends) = match op.form.stride {
+            0 => (Vec::new(), scene.layout.ends[op.first..][..op.n].to_vec()),
+            stride => (vec![(op.n, [op.mat, op.mat + stride])], Vec::new()),
+        };
+        Rows { basis: basis.clone(), rows, ends, coef: op.coef, first: op.first, n: op.n }
+    }
+
+    /// Those of a pass that integrates, along it and across.
+    pub fn integrated(op: &Op, basis: &Basis) -> Vec<Rows> {
+        let (n, at, coefs) = (op.n, op.mat, basis.0.len());
+        let row = |rows, (coef, first)| Rows { basis: basis.clone(), rows, ends: Vec::new(), coef, first, n };
+        if !op.form.folded {
+            return vec![row(vec![(n, [at, at + 1])], (op.coef, op.first))];
+        }
+        // of the last vectors the neighbours stand in the next lane, at the beginning; behind the last lane there is no link
+        let folded = |step: usize, numbers: (usize, usize)| {
+            row(vec![(n - step, [at, at + step]), (step, [at + n - step, at + 1])], numbers)
+        };
+        let along = folded(Fold::LANES, (op.coef, op.first));
+        let Band::Along(width) = op.form.band else { return vec![along] };
+        vec![along, folded(width * Fold::LANES, (op.coef + coefs * n, op.first + n))]
+    }
+}

@@ -1,0 +1,112 @@
+//! Played: what a scene is given while it plays, what is heard of it, and where it ends.
+
+use crate::Error;
+use ca_io::gesture::Gesture;
+use ca_io::perform::{self, Performance};
+
+/// Asked now and then, while it plays, whether to go on.
+pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
+
+/// Ticks between two such questions.
+pub(crate) const BLOCK: u64 = 1024;
+
+/// What a scene is given while it plays.
+pub(crate) struct Played {
+    /// samples
+    pub(crate) frames: usize,
+    /// what the ports are given (frames x inputs)
+    pub(crate) given: Vec<f64>,
+    /// where hands are at the first tick, and under way (inputs)
+    pub(crate) hands: Vec<Option<[f64; 2]>>,
+}
+
+impl Played {
+    pub(crate) fn new(
+        scene: &ca_core::Scene,
+        seconds: Option<f64>,
+        gesture: Option<&Gesture>,
+        goes_on: GoesOn,
+    ) -> Result<Played, Error> {
+        let mut p = Performance::new(scene, gesture)?;
+        known(scene, &p)?;
+        let frames = perform::frames(scene, perform::seconds(&p, seconds)) as usize;
+        let n = scene.inputs.len();
+        let hands = (0..n).map(|i| p.hand(i)).collect();
+        let mut given = zeros(frames, n, 1)?;
+        for (row, tick) in given.chunks_exact_mut(n.max(1)).zip(1_u64..) {
+            p.tick();
+            row.copy_from_slice(&p.state.input);
+            if tick.is_multiple_of(BLOCK) && !goes_on() {
+                return Err(Error::Stopped);
+            }
+        }
+        Ok(Played { frames, given, hands })
+    }
+}
+
+/// A table of so many frames, outputs and numbers, all 0.
+pub(crate) fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
+    let (n, mut all) = (frames.checked_mul(outputs).and_then(|n| n.checked_mul(each)), Vec::new());
+    match n.filter(|n| all.try_reserve_exact(*n).is_ok()) {
+        Some(n) => {
+            all.resize(n, 0.0);
+            Ok(all)
+        }
+        None => Err(Error::refused(format!(
+            "{frames} samples with {each} numbers for each of {outputs} outputs do not fit into memory; play less, or ask for a gradient"
+        ))),
+    }
+}
+
+pub(crate) fn diverged() -> Error {
+    Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
+}
+
+/// What is heard of a scene (frames x outputs).
+pub(crate) fn output(
+    scene: &ca_core::Scene,
+    seconds: Option<f64>,
+    gesture: Option<&Gesture>,
+    goes_on: GoesOn,
+) -> Result<Vec<f64>, Error> {
+    let mut p = Performance::new(scene, gesture)?;
+    let frames = perform::frames(scene, perform::seconds(&p, seconds));
+    let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.n_out, 1)?;
+    all.clear();
+    let mut left = frames;
+    while left > 0 {
+        let run = left.min(BLOCK);
+        p.ticks(run, &mut all);
+        left -= run;
+        if !goes_on() {
+            return Err(Error::Stopped);
+        }
+    }
+    if p.diverged { Err(diverged()) } else { Ok(all) }
+}
+
+/// How many samples a cotangent has.
+pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
+    if let Some(at) = cotangent.iter().position(|v| !v.is_finite()) {
+        let what = format!("the cotangent of sample {} is {}, and not a number to go by", at / outputs, cotangent[at]);
+        return Err(Error::refused(what));
+    }
+    if cotangent.is_empty() {
+        return Err(Error::refused("the cotangent is empty: the scene has no outputs, or it is played for no time"));
+    }
+    if !cotangent.len().is_multiple_of(outputs) {
+        let what = format!("a cotangent has a number for each of {outputs} outputs, not {} in all", cotangent.len());
+        return Err(Error::refused(what));
+    }
+    Ok(cotangent.len() / outputs)
+}
+
+/// Refuses a gesture that moves a live parameter.
+pub(crate) fn known(scene: &ca_core::Scene, p: &Performance) -> Result<(), Error> {
+    match p.driven().into_iter().find(|name| scene.input(name).is_none()) {
+        Some(name) => {
+            Err(Error::refused(format!("a gesture moves the live parameter `{name}`, which is not differentiated")))
+        }
+        None => Ok(()),
+    }
+}
