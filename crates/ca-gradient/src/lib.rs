@@ -53,6 +53,6 @@ mod tangent;
 pub use energy::{ACCOUNTS, Energy, EnergyTangents};
 pub use error::Error;
 pub use forward::{Forward, Tangents};
-pub use played::GoesOn;
 pub use parameter::Parameter;
+pub use played::GoesOn;
 pub use reverse::{Gradient, Reverse};

@@ -88,9 +88,7 @@ impl Network {
                 }
             }
         }
-        for (m, force) in self.pushed.drain(..) {
-            self.mats[m].f[0] += force;
-        }
+        self.pushed.drain(..).for_each(|(m, force)| self.mats[m].f[0] += force);
         for point in &self.points {
             for (node, a) in self.parts(point) {
                 self.mats[node].f[0] += a * self.mats[point.mat].f[0];
@@ -116,12 +114,7 @@ impl Network {
     pub fn tick(&mut self, inputs: &[f64], out: &mut [f64]) {
         for (port, value) in self.ports.iter_mut().zip(inputs) {
             let Some(period) = port.period else {
-                for m in &port.to {
-                    match self.mats[*m].axes {
-                        1 => self.pushed.push((*m, *value)),
-                        _ => self.mats[*m].f[port.axis] += value,
-                    }
-                }
+                port.to.iter().for_each(|m| self.mats[*m].push((*m, port.axis, *value), &mut self.pushed));
                 continue;
             };
             let (m, phase) = (&mut self.mats[port.to[0]], (self.n.max(1) - 1) % period + 1);

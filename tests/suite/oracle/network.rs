@@ -164,6 +164,13 @@ pub struct Network {
     pub n: u64,
 }
 
+impl Mat {
+    /// A force from outside: in space before all others, on a line `later`.
+    pub fn push(&mut self, (own, axis, force): (usize, usize, f64), later: &mut Vec<(usize, f64)>) {
+        if self.axes == 1 { later.push((own, force)) } else { self.f[axis] += force }
+    }
+}
+
 impl Network {
     pub fn channels(&self) -> usize {
         self.outputs.iter().map(|(channel, _, _)| channel + 1).max().unwrap_or(0)

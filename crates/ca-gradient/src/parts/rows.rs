@@ -9,9 +9,9 @@ use ca_core::state::Fold;
 pub struct Rows {
     /// what their law is made of
     pub basis: Basis,
-    /// rows of links: how many, and the slots of the two ends of the first; none where ends are looked up
-    pub rows: Vec<(usize, [usize; 2])>,
-    /// slots of the ends of links that are in no row
+    /// runs of them: how many, and the slots of the two ends of the first; none where ends are looked up
+    pub runs: Vec<(usize, [usize; 2])>,
+    /// slots of the ends of links that are in no run
     pub ends: Vec<[u32; 2]>,
     /// index of the first coefficient, and of the first constant elongation
     pub coef: usize,
@@ -23,17 +23,17 @@ pub struct Rows {
 impl Rows {
     /// Those of a pass that sums forces.
     pub fn listed(scene: &Scene, op: &Op, basis: &Basis) -> Rows {
-        let (rows, ends) = match op.form.stride {
+        let (runs, ends) = match op.form.stride {
             0 => (Vec::new(), scene.layout.ends[op.first..][..op.n].to_vec()),
             stride => (vec![(op.n, [op.mat, op.mat + stride])], Vec::new()),
         };
-        Rows { basis: basis.clone(), rows, ends, coef: op.coef, first: op.first, n: op.n }
+        Rows { basis: basis.clone(), runs, ends, coef: op.coef, first: op.first, n: op.n }
     }
 
     /// Those of a pass that integrates, along it and across.
     pub fn integrated(op: &Op, basis: &Basis) -> Vec<Rows> {
         let (n, at, coefs) = (op.n, op.mat, basis.0.len());
-        let row = |rows, (coef, first)| Rows { basis: basis.clone(), rows, ends: Vec::new(), coef, first, n };
+        let row = |runs, (coef, first)| Rows { basis: basis.clone(), runs, ends: Vec::new(), coef, first, n };
         if !op.form.folded {
             return vec![row(vec![(n, [at, at + 1])], (op.coef, op.first))];
         }

@@ -15,10 +15,10 @@ mod single;
 mod sums;
 mod taps;
 
-use crate::played::{BLOCK, diverged, frames_of, known};
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
 use crate::parts::{Parts, no, number};
+use crate::played::{BLOCK, diverged, frames_of, known};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};

@@ -49,8 +49,8 @@ impl Links {
     fn add(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
         let e0 = &e0[self.of.first..][..self.of.n];
         let mut from = 0;
-        for row in 0..self.of.rows.len() {
-            let (n, [a, b]) = self.of.rows[row];
+        for row in 0..self.of.runs.len() {
+            let (n, [a, b]) = self.of.runs[row];
             let mut i = slots.start.saturating_sub(a).next_multiple_of(LANES);
             while i < n && a + i < slots.end {
                 if i + LANES <= n {

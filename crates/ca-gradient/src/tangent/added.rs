@@ -143,7 +143,7 @@ impl pulp::WithSimd for Tick<'_> {
                     add(force, constant);
                 }
                 let mut from = 0;
-                for (n, ends) in &links.rows {
+                for (n, ends) in &links.runs {
                     pull(&mut s.f, *ends, &force[from..][..*n]);
                     from += n;
                 }
@@ -169,7 +169,7 @@ impl pulp::WithSimd for Tick<'_> {
 #[inline(always)]
 fn elongations(links: &Rows, row: &Row, e0: &[f64], e: &mut [f64], w: &mut [f64]) {
     let (x, d, mut from) = (row.x, row.d, 0);
-    for (n, [a, b]) in &links.rows {
+    for (n, [a, b]) in &links.runs {
         differences(&x[*a..][..*n], &x[*b..][..*n], &mut e[from..][..*n]);
         differences(&d[*a..][..*n], &d[*b..][..*n], &mut w[from..][..*n]);
         from += n;
