@@ -225,20 +225,11 @@ impl Alone {
             self.s.f[1] = -force;
             self.s.tap[0] = force;
         } else {
-            let s = &mut self.s;
-            let mut at = 0;
-            let mut number = |to: &mut Dual| {
-                *to = Dual::constant(self.given[at]);
-                to.tangents_mut().copy_from_slice(&self.moving[at]);
-                at += 1;
-            };
-            for all in [&mut s.x, &mut s.d, &mut s.f, &mut s.coef] {
-                all.iter_mut().for_each(&mut number);
-            }
-            s.mem.iter_mut().for_each(&mut number);
-            s.lengths.iter_mut().for_each(&mut number);
-            number(&mut self.layout.e0[0]);
-            self.layout.reach.as_flattened_mut().iter_mut().for_each(&mut number);
+            let (given, moving) = (&self.given, &self.moving);
+            each(&mut self.s, &mut self.layout, |at, to| {
+                *to = Dual::constant(given[at]);
+                to.tangents_mut().copy_from_slice(&moving[at]);
+            });
             (self.op.kernel)(&self.op, &self.layout, &mut self.s);
         }
         let s = &self.s;
@@ -304,19 +295,8 @@ impl Alone {
 
     /// Writes what is given, with a tangent for each of `some`.
     fn load(&mut self, some: &[usize]) {
-        let s = &mut self.s;
-        let mut at = 0;
-        let mut number = |to: &mut Dual| {
-            *to = Dual::constant(self.given[at]);
-            at += 1;
-        };
-        for all in [&mut s.x, &mut s.d, &mut s.f, &mut s.coef] {
-            all.iter_mut().for_each(&mut number);
-        }
-        s.mem.iter_mut().for_each(&mut number);
-        s.lengths.iter_mut().for_each(&mut number);
-        number(&mut self.layout.e0[0]);
-        self.layout.reach.as_flattened_mut().iter_mut().for_each(&mut number);
+        let given = &self.given;
+        each(&mut self.s, &mut self.layout, |at, to| *to = Dual::constant(given[at]));
         for (lane, at) in some.iter().enumerate() {
             if let Some(v) = self.at(*at) {
                 v.tangents_mut()[lane] = 1.0;
@@ -339,6 +319,14 @@ impl Alone {
             _ => self.layout.reach.as_flattened_mut().get_mut(at - sh.reach()),
         }
     }
+}
+
+/// Visits what a link reads, in the order of [`Shape`], each with its place there.
+fn each(s: &mut State, layout: &mut Layout, mut visit: impl FnMut(usize, &mut Dual)) {
+    let State { x, d, f, coef, mem, lengths, .. } = s;
+    let state = [&mut x[..], d, f, coef, mem, lengths].into_iter().flatten();
+    let all = state.chain(&mut layout.e0).chain(layout.reach.as_flattened_mut());
+    all.enumerate().for_each(|(at, v)| visit(at, v));
 }
 
 /// The slots of link `i` of a pass, port by port, first ends first.

@@ -8,7 +8,7 @@
 pub mod alone;
 pub mod numbers;
 pub mod outputs;
-pub mod reads;
+pub mod placed;
 pub mod record;
 pub mod rows;
 

@@ -1,7 +1,7 @@
 //! Single: links that are run alone, on the way back over a tick.
 
 use crate::parts::alone::{Alone, Owed, Port};
-use crate::parts::reads::{Reads, reads};
+use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
 use ca_core::op::{MeasureKind, Op};
@@ -26,15 +26,7 @@ pub struct Way<'w> {
 
 /// A link that is run alone, with its numbers.
 pub struct Single {
-    alone: Alone,
-    /// slots of its ends
-    slots: Vec<usize>,
-    /// first number of its memory, and those of its lengths
-    mem: usize,
-    lengths: Vec<usize>,
-    tap: Option<usize>,
-    /// elongations at which there is no force, of contacts on a line without memory
-    idle: Option<(f64, f64)>,
+    link: Placed,
     /// what it reads that some parameter changes: index into what it reads, and into the numbers
     numbers: Vec<(usize, usize)>,
     /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](crate::parts::Parts::driven)
@@ -54,98 +46,73 @@ impl Single {
         driven: &[usize],
     ) -> Option<Single> {
         let op = &scene.forces[link.op];
-        let mut alone = Alone::new(op, dual)?;
-        let i = link.i;
-        let Reads { numbers: all, lengths: reaches } = reads(scene, place, link, &alone.shape);
-        for (k, v, _) in &all {
-            alone.given[*k] = *v;
-        }
-        let sh = &alone.shape;
+        let (n, i) = (op.n, link.i);
+        let mut link = Placed::new(scene, link, dual, place)?;
+        let sh = &link.alone.shape;
         let own = sh.own()..sh.coef();
         let used = |k: usize| sh.last || !own.contains(&k);
-        let numbers: Vec<(usize, usize)> =
-            all.iter().filter(|(k, _, at)| used(*k) && needed(*at)).map(|(k, _, at)| (*k, number(*at))).collect();
-        let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&(op.coef + k * op.n + i)).ok()?));
+        let changed = link.numbers.iter().filter(|(k, at)| used(*k) && needed(*at));
+        let numbers: Vec<(usize, usize)> = changed.map(|(k, at)| (*k, number(*at))).collect();
+        let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&(op.coef + k * n + i)).ok()?));
         let driven: Vec<(usize, usize)> = (0..sh.coefs).filter_map(of_port).collect();
         // what is driven has its due through the port
         let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
         let known = || numbers.iter().chain(&driven).map(|n| n.0);
         let wanted = [false, true].map(|motions| sh.carried(motions).into_iter().chain(known()).collect());
-        let idle = alone.idle(op).filter(|_| driven.is_empty());
-        Some(Single {
-            mem: op.mem + i * sh.mem,
-            lengths: reaches,
-            tap: op.form.tap.then_some(op.tap + i),
-            slots: link.slots.clone(),
-            alone,
-            idle,
-            numbers,
-            driven,
-            wanted,
-        })
+        if !driven.is_empty() {
+            // what a port drives may say when there is no force
+            link.idle = None;
+        }
+        Some(Single { link, numbers, driven, wanted })
     }
 
     /// Slots of its ends.
     pub fn slots(&self) -> &[usize] {
-        &self.slots
+        &self.link.slots
     }
 
     /// Goes back over the link in one tick; `sums` are the forces on its ends before it, and how much it adds, where it goes by them.
     pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, way: &mut Way) {
-        let tap = self.tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t]));
-        let mems = self.mem..self.mem + self.alone.shape.mem;
-        if let Some((_, 0.0)) = sums.and_then(|s| s.split_last()).map(|(added, f)| (f, *added)) {
-            // no force: what is owed to the sums stays, and the memory is written anew
-            way.mem[mems].fill(0.0);
+        let Placed { slots, mem, tap, .. } = &self.link;
+        let (mem, tap) = (mem.clone(), tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t])));
+        if self.link.is_idle(row, sums) {
+            // what is owed to the sums stays, and the memory is written anew
+            way.mem[mem].fill(0.0);
             return;
         }
-        if let (Some((from, to)), [p, q]) = (self.idle, &self.slots[..]) {
-            let e = row.x[*q] - row.x[*p] + self.alone.given[self.alone.shape.e0()];
-            if e >= from && e <= to {
-                return;
-            }
-        }
-        let sh = &self.alone.shape;
-        let (at_d, at_f, at_mem, at_length) = (sh.d(), sh.f(), sh.memory(), sh.length());
-        let given = &mut self.alone.given;
         // a point of a quadripole in space has six numbers, and there are two
         let mut force = [0.0; 12];
-        for (k, slot) in self.slots.iter().enumerate() {
-            (given[k], given[at_d + k]) = (row.x[*slot], row.d[*slot]);
-            force[k] = way.a.x[*slot];
-        }
-        if let Some(sums) = sums {
-            given[at_f..][..sums.len() - 1].copy_from_slice(&sums[..sums.len() - 1]);
-        }
-        given[at_mem..][..mems.len()].copy_from_slice(&row.mem[mems.clone()]);
+        force.iter_mut().zip(slots).for_each(|(force, slot)| *force = way.a.x[*slot]);
+        self.link.read(row, sums);
+        let Placed { alone, slots, lengths: at_lengths, .. } = &mut self.link;
+        let (at_d, at_f, at_mem, at_length) =
+            (alone.shape.d(), alone.shape.f(), alone.shape.memory(), alone.shape.length());
         for (k, at) in &self.driven {
-            given[*k] = row.driven[*at];
+            alone.given[*k] = row.driven[*at];
         }
         let (mut motions, mut lengths) = (false, [0.0; 2]);
-        for (k, (p, at)) in sh.ports.iter().zip(&self.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
-            debug_assert!(p.follows);
-            given[at_length + k] = row.lengths[*at];
+        for (k, (_, at)) in alone.shape.ports.iter().zip(&*at_lengths).enumerate().filter(|(_, (p, _))| p.follows) {
             lengths[k] = way.lengths[*at];
             motions |= row.lengths[*at] < 0.0;
         }
-        let owed = Owed { force: &force[..self.slots.len()], tap, memory: &way.mem[mems.clone()], lengths };
-        self.alone.owe(&owed, &self.wanted[usize::from(motions)]);
-        let (owed, sh) = (&self.alone.owed, &self.alone.shape);
+        let owed = Owed { force: &force[..slots.len()], tap, memory: &way.mem[mem.clone()], lengths };
+        alone.owe(&owed, &self.wanted[usize::from(motions)]);
+        let (owed, sh) = (&alone.owed, &alone.shape);
         if sh.last {
-            for (k, slot) in self.slots.iter().enumerate() {
+            for (k, slot) in slots.iter().enumerate() {
                 way.a.f[*slot] += owed[k];
                 way.now[*slot] += owed[at_d + k];
                 way.a.x[*slot] = owed[at_f + k];
             }
         } else {
             for p in &sh.ports {
-                pull(p, &self.slots, owed, motions || !p.follows, at_d, way);
+                pull(p, slots, owed, motions || !p.follows, at_d, way);
             }
         }
-        way.mem[mems].copy_from_slice(&owed[at_mem..][..sh.mem]);
-        for (k, (p, at)) in sh.ports.iter().zip(&self.lengths).enumerate() {
+        way.mem[mem].copy_from_slice(&owed[at_mem..][..sh.mem]);
+        for (k, (p, at)) in sh.ports.iter().zip(&*at_lengths).enumerate() {
             if p.follows {
-                way.lengths[*at] = if self.alone.given[at_length + k] < 0.0 { 0.0 } else { owed[at_length + k] };
+                way.lengths[*at] = if alone.given[at_length + k] < 0.0 { 0.0 } else { owed[at_length + k] };
             }
         }
         for (k, at) in &self.numbers {

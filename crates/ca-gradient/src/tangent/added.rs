@@ -2,8 +2,8 @@
 //!
 //! With Ḟ for the derivative of F by a parameter, F = Σ c (α e + β w) gives Ḟ = Σ ċ (α e + β w) + … , where the rest is what
 //! the link does to the derivatives of its ends. A mass moves by d' = P d + Q x + C f, so that Ṗ d + Q̇ x + Ċ f is added, as a
-//! force after division by C. Decides to measure elongations once for all parameters, and to leave out each term that
-//! no number of a list changes.
+//! force after division by C. Decides to measure elongations once for all parameters, and to leave out each term that is
+//! 0 for a whole list.
 
 use crate::parts::record::Row;
 use crate::parts::rows::Rows;

@@ -11,12 +11,11 @@ mod gains;
 mod link;
 
 use crate::Error;
-use crate::parts::alone::Alone;
 use crate::parts::numbers::Numbers;
 use crate::parts::outputs::listed;
-use crate::parts::reads::reads;
+use crate::parts::placed::Placed;
 use crate::parts::record::Record;
-use crate::parts::{Link, Parts, number};
+use crate::parts::{Link, Parts, number, unknown};
 use crate::played::diverged;
 use added::Added;
 use ca_core::numeric::Aligned;
@@ -98,9 +97,8 @@ impl Tangent {
             know(&l.e0[op.first..][..op.n * passes]);
         }
         for link in self.parts.links.iter().chain(&self.parts.last) {
-            let alone = Alone::new(&scene.forces[link.op], &self.dual)?;
-            let reads = reads(scene, place, link, &alone.shape);
-            reads.numbers.iter().for_each(|(_, _, at)| know(&[*at]));
+            let link = Placed::new(scene, link, &self.dual, place)?;
+            link.numbers.iter().for_each(|(_, at)| know(&[*at]));
         }
         let changes = |i: usize| self.numbers.derivatives.iter().any(|d| d[i] != 0.0);
         Some(known.iter().enumerate().all(|(i, known)| *known || !changes(i)))
@@ -119,11 +117,12 @@ impl Tangent {
         let place = &self.numbers.place;
         let mut added = Added::new(scene, &self.parts, place, &columns);
         let gains = Gains::new(scene, place, &columns);
-        let alone = |all: &[Link]| {
-            let each = all.iter().map(|link| Moving::new(scene, link, &self.dual, place, &columns));
-            each.collect::<Option<Vec<_>>>().unwrap_or_default()
+        let one = |link: &Link| {
+            let found = Moving::new(scene, link, &self.dual, place, &columns);
+            found.ok_or_else(|| Error::Refused(unknown(&scene.forces[link.op])))
         };
-        let (mut links, mut last) = (alone(&self.parts.links), alone(&self.parts.last));
+        let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
+        let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);
         let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
         // one for all, since no derivative changes them
         let mut coefs = scene.initial.coef.clone();
@@ -138,11 +137,7 @@ impl Tangent {
             }
             added.add_to_sums(scene, &row, &mut states);
             if !last.is_empty() {
-                for a in &mut states {
-                    std::mem::swap(&mut a.coef, &mut coefs);
-                    self.linear(scene, a);
-                    std::mem::swap(&mut a.coef, &mut coefs);
-                }
+                each(&mut states, &mut coefs, |_, a| self.linear(scene, a));
                 let mut sums = row.sums;
                 for l in &mut last {
                     let (own, others) = sums.split_at(l.slots() + 1);
@@ -151,8 +146,7 @@ impl Tangent {
                 }
             }
             // what is heard of forces is none of what changed numbers of rows and masses add
-            for (q, a) in states.iter_mut().enumerate() {
-                std::mem::swap(&mut a.coef, &mut coefs);
+            each(&mut states, &mut coefs, |q, a| {
                 if last.is_empty() {
                     self.linear(scene, a);
                 }
@@ -162,18 +156,15 @@ impl Tangent {
                         gains.add(&row, q, a);
                     }
                 }
-                std::mem::swap(&mut a.coef, &mut coefs);
-            }
+            });
             added.add_to_moves(scene, &row, next, &mut states);
-            for a in &mut states {
-                std::mem::swap(&mut a.coef, &mut coefs);
+            each(&mut states, &mut coefs, |_, a| {
                 self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
                 for op in &scene.moves {
                     (op.kernel)(op, &self.layout, a);
                 }
                 a.tick += 1;
-                std::mem::swap(&mut a.coef, &mut coefs);
-            }
+            });
             for (k, to) in sample.output.iter_mut().enumerate() {
                 *to = Dual::constant(s.output[k]);
                 to.tangents_mut().iter_mut().zip(&states).for_each(|(t, a)| *t = a.output[k]);
@@ -192,6 +183,15 @@ impl Tangent {
             let op = &scene.forces[*k];
             (op.kernel)(op, &self.layout, a);
         }
+    }
+}
+
+/// Each state with its number, while it has the coefficients.
+fn each(states: &mut [State], coefs: &mut Aligned, mut run: impl FnMut(usize, &mut State)) {
+    for (q, a) in states.iter_mut().enumerate() {
+        std::mem::swap(&mut a.coef, coefs);
+        run(q, a);
+        std::mem::swap(&mut a.coef, coefs);
     }
 }
 

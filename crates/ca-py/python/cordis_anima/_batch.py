@@ -96,7 +96,7 @@ def batch(
         progress: called now and then with how many instances of how many are done.
 
     Raises:
-        UsageError: no such parameter, columns of several lengths, a value that is no number, text or list, ``rate.sound`` or
+        UsageError: no such parameter, columns of several lengths, a value of another type than a number, text or list, ``rate.sound`` or
             ``model.seconds`` as a column, more than fits into memory, an option that makes no sense.
         ModelError: the scene itself has errors, or a probe chooses nothing.
 
