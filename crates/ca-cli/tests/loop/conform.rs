@@ -100,6 +100,10 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
         }
     }
     assert!(!row(&last, name).0, "{lie:?}: {last:#}");
+    if lie == Lie::NoForce {
+        let rows = last["rows"].as_array().unwrap();
+        assert!(rows.iter().all(|r| r["name"] != "watchdog"), "{last:#}");
+    }
 }
 
 /// Every lie, a few at a time: a conformance test waits most of its time.
@@ -115,6 +119,8 @@ fn lies_are_found() {
         (Lie::Layout, "layout"),
         (Lie::Sign, "spring"),
         (Lie::Watchdog, "watchdog"),
+        // one that has no force to begin with is not said to end it
+        (Lie::NoForce, "arms again"),
         (Lie::GoesOn, "goes on"),
         (Lie::Restart, "restart"),
         (Lie::Unrested, "unrested"),

@@ -36,6 +36,8 @@ pub enum Lie {
     Session,
     /// it gives another force than it was sent
     Measured,
+    /// it never gives a force
+    NoForce,
     /// it moves against the force: positions and forces have not the same sign
     Sign,
 }
@@ -140,6 +142,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         }
         let now = now_ns();
         let cause = match lie {
+            Lie::NoForce => Cause::Disarmed,
             Lie::Watchdog | Lie::Unrested if watch.last().is_some() => {
                 let on = !matches!(Mode::read(held.mode), Mode::Off | Mode::Fault);
                 let fresh = lie == Lie::Watchdog || now.saturating_sub(held.t_host_ns) < u64::from(held.ttl_us) * 1000;

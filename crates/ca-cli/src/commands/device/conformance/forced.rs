@@ -115,8 +115,7 @@ pub(super) fn spring(
         *p = b.player(profile)?;
         b.play(p, REST);
         if !on(b, p, profile)? {
-            let (mode, cause) = b.mode();
-            t.row("spring", false, format!("mode {}, {}", mode.name(), cause.name()));
+            never_on(b, t, "the spring");
             return Ok(());
         }
         let k = force / p.stretch;
@@ -174,9 +173,38 @@ pub(super) fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
     })
 }
 
-/// The engine dies.
-pub(super) fn silence(b: &mut Bench, a: &About, t: &mut CheckTable) {
-    let Some(last) = b.sent.last().copied() else { return };
+/// Forces are off where they should have been on: what would have been asked with them is left open.
+fn never_on(b: &Bench, t: &mut CheckTable, before: &str) {
+    let (mode, cause) = b.mode();
+    t.row("arms again", false, format!("before {before}: mode {}, {}", mode.name(), cause.name()));
+}
+
+/// The engine dies while the device gives a force: one that has none already would pass without a watchdog.
+pub(super) fn silence(
+    b: &mut Bench,
+    p: &mut Player,
+    profile: &mut Profile,
+    force: f64,
+    a: &About,
+    t: &mut CheckTable,
+) -> Result<(), Failure> {
+    let mut last = None;
+    for _ in 0..TRIES {
+        if !on(b, p, profile)? {
+            break;
+        }
+        p.pull(force)?;
+        b.play(p, 100);
+        let gives = b.frames.last().is_some_and(|f| Cause::read(f.cause) == Cause::None);
+        last = b.sent.last().copied().filter(|f| gives && Mode::read(f.mode) == Mode::On);
+        if last.is_some() {
+            break;
+        }
+    }
+    let Some(last) = last else {
+        never_on(b, t, "the engine falls silent");
+        return Ok(());
+    };
     b.forget();
     let quarter = a.rate as usize / 4;
     b.listen(quarter.max(LOOK), PATIENCE);
@@ -192,6 +220,7 @@ pub(super) fn silence(b: &mut Bench, a: &About, t: &mut CheckTable) {
         format!("no force {} ms after the last frame, {}", last.ttl_us / 1000, cause.name())
     });
     t.row("watchdog", goes_on && bad.is_none(), found);
+    Ok(())
 }
 
 /// Another engine.
@@ -206,8 +235,7 @@ pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut 
     let bad = unexpected_forces(late(b));
     t.row("at rest", bad.is_none(), bad.unwrap_or_else(|| "the new engine is at rest, and so is the device".into()));
     if !on(b, &mut p, profile)? {
-        let (mode, cause) = b.mode();
-        t.row("disarm", false, format!("cannot be armed again: mode {}, {}", mode.name(), cause.name()));
+        never_on(b, t, "it is disarmed");
         return Ok(());
     }
     p.pull(force)?;

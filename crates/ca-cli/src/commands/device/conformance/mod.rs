@@ -44,7 +44,7 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
         let on = forced::forces(&mut bench, &mut player, &mut profile, force, &mut table)?;
         if on {
             forced::spring(&mut bench, &mut player, &mut profile, force, &mut table)?;
-            forced::silence(&mut bench, &about, &mut table);
+            forced::silence(&mut bench, &mut player, &mut profile, force, &about, &mut table)?;
         }
         forced::another(&mut bench, &mut profile, force, &mut table)?;
         quiet::strangers(&mut bench, &mut table);

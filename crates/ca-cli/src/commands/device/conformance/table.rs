@@ -31,7 +31,7 @@ impl CheckTable {
             writeln!(out, "{:#}", json!({"device": args.name, "pass": failed == 0, "rows": rows}))?;
         } else {
             for r in &self.0 {
-                writeln!(out, "{:<5}{:<10}{}", if r.pass { "pass" } else { "FAIL" }, r.name, r.found)?;
+                writeln!(out, "{:<5}{:<11}{}", if r.pass { "pass" } else { "FAIL" }, r.name, r.found)?;
             }
         }
         if failed > 0 {
