@@ -55,4 +55,4 @@ pub use error::Error;
 pub use forward::{Forward, Tangents};
 pub use parameter::Parameter;
 pub use played::GoesOn;
-pub use reverse::{Gradient, Reverse};
+pub use reverse::{Checkpoints, Gradient, Reverse};

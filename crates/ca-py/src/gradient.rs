@@ -39,6 +39,14 @@ fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + 
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Reverse(Arc<ca_gradient::Reverse>);
 
+/// A scene that was played to be gone back over.
+#[pyclass(frozen, module = "cordis_anima._core")]
+pub struct Checkpoints {
+    kept: ca_gradient::Checkpoints,
+    ports: usize,
+    channels: usize,
+}
+
 /// A scene that keeps the energy ledger, with the derivatives of all it begins with.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Energy(Arc<ca_gradient::Energy>);
@@ -193,15 +201,18 @@ impl Reverse {
         self.0.ports().collect()
     }
 
-    /// The sound, in double precision (frames, channels).
-    fn audio<'py>(
+    /// Plays it: the sound, in double precision (frames, channels), and what a gradient of it begins with.
+    fn play<'py>(
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
         gesture: Option<&Gesture>,
-    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Checkpoints)> {
         let gesture = gesture.map(|g| &g.gesture);
-        sound(py, self.0.outputs(), |goes_on| self.0.output(seconds, gesture, goes_on))
+        let mut kept = waiting(py, |goes_on| self.0.play(seconds, gesture, goes_on))?;
+        let audio = std::mem::take(&mut kept.output);
+        let (channels, frames) = (self.0.outputs(), kept.frames());
+        Ok((table(py, audio, frames, channels)?, Checkpoints { kept, ports: self.0.ports().count(), channels }))
     }
 
     /// The gradient of a loss from its cotangent (frames, channels), and its derivatives by what ports are given (frames, ports).
@@ -217,5 +228,20 @@ impl Reverse {
         let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
         let (frames, ports) = (cotangent.shape()[0], self.0.ports().count());
         Ok((found.parameters.into_pyarray(py), table(py, found.inputs, frames, ports)?))
+    }
+}
+
+#[pymethods]
+impl Checkpoints {
+    /// As [`Reverse::gradient`], of what was played.
+    #[allow(clippy::type_complexity, reason = "two arrays")]
+    fn gradient<'py>(
+        &self,
+        py: Python<'py>,
+        cotangent: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let all = rows(py, &cotangent, self.channels)?;
+        let found = waiting(py, |goes_on| self.kept.gradient(&all, goes_on))?;
+        Ok((found.parameters.into_pyarray(py), table(py, found.inputs, self.kept.frames(), self.ports)?))
     }
 }

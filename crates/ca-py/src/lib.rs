@@ -30,7 +30,7 @@ mod _core {
     #[pymodule_export]
     use crate::gesture::Gesture;
     #[pymodule_export]
-    use crate::gradient::{Energy, Forward, Reverse};
+    use crate::gradient::{Checkpoints, Energy, Forward, Reverse};
     #[pymodule_export]
     use crate::measure::quantity;
     #[pymodule_export]

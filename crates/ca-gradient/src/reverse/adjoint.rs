@@ -113,7 +113,7 @@ impl<'a> Adjoint<'a> {
             sets: parts.sets.iter().map(pairs).collect::<Result<_, _>>()?,
             listed: parts.linear.iter().filter_map(listed).chain(parts.implicit.iter().filter_map(solved)).collect(),
             rows: parts.rows.iter().flat_map(of_row).filter_map(wanted).collect(),
-            masses: Masses::new(n, own),
+            masses: Masses::new(n, own, scene.initial.coef[n..2 * n].iter().any(|q| *q != 0.0)),
             nu: Aligned::zeros(0),
             more: Aligned::zeros(0),
             unsummed: 0,

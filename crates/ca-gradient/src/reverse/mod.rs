@@ -10,6 +10,7 @@
 //! of a scene is had by differences, as there.
 
 mod adjoint;
+mod checkpoints;
 mod heard;
 mod single;
 mod sums;
@@ -17,16 +18,19 @@ mod taps;
 
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
-use crate::parts::{Parts, no, number};
-use crate::played::{BLOCK, diverged, frames_of, known};
+use crate::parts::{Parts, number};
+use crate::played::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
+use ca_core::Scene;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
 use ca_core::scene::InputRole;
-use ca_core::{Scene, State};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
+use checkpoints::Kept;
 use cordis_anima::{Loaded, Options};
+
+pub use checkpoints::Checkpoints;
 
 /// A scene that is gone back over.
 pub struct Reverse {
@@ -204,37 +208,17 @@ impl Reverse {
     /// # Errors
     /// As [`Forward::gradient`].
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Gradient, Error> {
+        let frames = frames_of(cotangent, self.scene.n_out.max(1))?;
+        let kept = Kept::of(self, frames, gesture, &mut |_| {}, goes_on)?;
+        self.back(&kept, cotangent, goes_on)
+    }
+
+    /// The same, of what was played.
+    fn back(&self, kept: &Kept, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
-        let outputs = scene.n_out.max(1);
-        let frames = frames_of(cotangent, outputs)?;
-        let mut p = Performance::new(scene, gesture)?;
-        known(scene, &p)?;
-        if self.starts_with_hands(&p) {
-            return Err(Error::Refused(no("where a port is at load is part of the start")));
-        }
-        let (inputs, stretch) = (scene.inputs.len(), (frames as f64).sqrt().ceil() as usize);
-        let mut given = Vec::with_capacity(frames * inputs);
-        let mut kept: Vec<State> = Vec::new();
-        let mut row = Vec::new();
-        for first in (0..frames).step_by(stretch) {
-            kept.push(p.state.clone());
-            let ticks = stretch.min(frames - first);
-            if inputs == 0 {
-                row.clear();
-                p.ticks(ticks as u64, &mut row);
-            } else {
-                for _ in 0..ticks {
-                    p.tick();
-                    given.extend_from_slice(&p.state.input);
-                }
-            }
-            if !goes_on() {
-                return Err(Error::Stopped);
-            }
-        }
-        if p.diverged {
-            return Err(diverged());
-        }
+        let (inputs, outputs, stretch) = (scene.inputs.len(), scene.n_out.max(1), kept.stretch);
+        let (frames, given) = (frames_of(cotangent, outputs)?, &kept.given);
+        debug_assert_eq!(frames, kept.frames);
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
         let owed = back.outputs.before_low_pass(cotangent);
@@ -243,10 +227,10 @@ impl Reverse {
         let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
         let mut record = Record::new(scene, &self.parts, stretch, [filters, false]);
         let mut asked = 0;
-        for (k, mut s) in kept.into_iter().enumerate().rev() {
+        kept.back(|k, s| {
             let first = k * stretch;
             let ticks = stretch.min(frames - first);
-            record.play(scene, &self.parts, &mut s, &given[first * inputs..][..ticks * inputs], ticks);
+            record.play(scene, &self.parts, s, &given[first * inputs..][..ticks * inputs], ticks);
             for i in (0..ticks).rev() {
                 let tick = first + i;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
@@ -256,7 +240,7 @@ impl Reverse {
                 }
                 // a frame that the sound cuts short ends with its last sample
                 let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
-                self.drive(tick, &given, &mut back, |sample, input, owed| {
+                self.drive(tick, given, &mut back, |sample, input, owed| {
                     if let Some(k) = self.ports.iter().position(|i| *i == input) {
                         by_inputs[at(sample, k)] += owed;
                     }
@@ -274,7 +258,8 @@ impl Reverse {
                     return Err(Error::Stopped);
                 }
             }
-        }
+            Ok(())
+        })?;
         let numbers = back.end();
         let by = |d: &Vec<f64>| d.iter().zip(&numbers).filter(|(d, _)| **d != 0.0).map(|(d, owed)| d * owed).sum();
         Ok(Gradient { parameters: self.derivatives.iter().map(by).collect(), inputs: by_inputs })

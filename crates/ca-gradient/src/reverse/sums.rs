@@ -53,12 +53,14 @@ impl Links {
             let (n, [a, b]) = self.of.runs[row];
             let mut i = slots.start.saturating_sub(a).next_multiple_of(LANES);
             while i < n && a + i < slots.end {
-                if i + LANES <= n {
-                    self.some::<LANES>(ticks, e0, [a + i, b + i], from + i);
-                } else {
-                    for i in i..n {
-                        self.some::<1>(ticks, e0, [a + i, b + i], from + i);
+                if n < LANES {
+                    for i in 0..n {
+                        self.some::<1>(ticks, e0, [a + i, b + i], from + i, 0);
                     }
+                } else {
+                    // the last of a row begin among those before them
+                    let at = i.min(n - LANES);
+                    self.some::<LANES>(ticks, e0, [a + at, b + at], from + at, i - at);
                 }
                 i += LANES;
             }
@@ -71,30 +73,39 @@ impl Links {
     fn add_listed(&mut self, ticks: &Seen, e0: &[f64]) {
         let e0 = &e0[self.of.first..][..self.of.n];
         for i in 0..self.of.ends.len() {
-            self.some::<1>(ticks, e0, self.of.ends[i].map(|m| m as usize), i);
+            self.some::<1>(ticks, e0, self.of.ends[i].map(|m| m as usize), i, 0);
         }
     }
 
-    /// Adds some ticks of `N` links of a row, the first of which has these ends and is the one at `at`.
+    /// Adds some ticks of `N` links of a row, the first of which has these ends and is the one at `at`; the first `but` of them are left
+    /// out.
     #[inline(always)]
-    fn some<const N: usize>(&mut self, ticks: &Seen, e0: &[f64], [a, b]: [usize; 2], at: usize) {
+    fn some<const N: usize>(&mut self, ticks: &Seen, e0: &[f64], [a, b]: [usize; 2], at: usize, but: usize) {
         let Some(e0) = lanes::<N>(e0, at) else { return };
-        let [mut by_e, mut by_w, mut alone] = [[0.0; N]; 3];
+        let [mut by_e, mut by_w] = [[0.0; N]; 2];
         for [now, _, owed] in ticks.each() {
             let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
             let (Some(xa), Some(xb)) = (lanes::<N>(now, a), lanes::<N>(now, b)) else { break };
             let (Some(da), Some(db)) = (lanes::<N>(now, ticks.d + a), lanes::<N>(now, ticks.d + b)) else { break };
             for i in 0..N {
                 let phi = oa[i] - ob[i];
-                alone[i] += phi;
                 by_e[i] += phi * (xb[i] - xa[i] + e0[i]);
                 by_w[i] += phi * (db[i] - da[i]);
             }
         }
         let [to_e, to_w] = &mut self.products;
-        put(to_e, at, by_e);
-        put(to_w, at, by_w);
-        put(&mut self.alone, at, alone);
+        put(to_e, at, by_e, but);
+        put(to_w, at, by_w, but);
+        if !self.alone.is_empty() {
+            let mut alone = [0.0; N];
+            for [_, _, owed] in ticks.each() {
+                let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+                for i in 0..N {
+                    alone[i] += oa[i] - ob[i];
+                }
+            }
+            put(&mut self.alone, at, alone, but);
+        }
         if !self.ahead.is_empty() {
             let mut ahead = [0.0; N];
             for [_, next, owed] in ticks.each() {
@@ -106,7 +117,7 @@ impl Links {
                     ahead[i] += (oa[i] - ob[i]) * (nb[i] - na[i]);
                 }
             }
-            put(&mut self.ahead, at, ahead);
+            put(&mut self.ahead, at, ahead, but);
         }
     }
 }
@@ -117,11 +128,17 @@ fn lanes<const N: usize>(of: &[f64], at: usize) -> Option<&[f64; N]> {
     of.get(at..)?.first_chunk()
 }
 
-/// Adds numbers to sums, where there are such.
+/// Adds numbers to sums, where there are such, but for the first of them.
 #[inline(always)]
-fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N]) {
+fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N], but: usize) {
     if let Some(sums) = sums.get_mut(at..).and_then(|sums| sums.first_chunk_mut::<N>()) {
-        sums.iter_mut().zip(by).for_each(|(sum, by)| *sum += by);
+        let mut kept = [1.0; N];
+        for first in kept.iter_mut().take(but) {
+            *first = 0.0;
+        }
+        for i in 0..N {
+            sums[i] += kept[i] * by[i];
+        }
     }
 }
 
@@ -131,11 +148,10 @@ pub struct Masses {
 }
 
 impl Masses {
-    /// Of so many slots, those of P, Q and C that are wanted.
-    pub fn new(n: usize, [p, q, c]: [bool; 3]) -> Masses {
+    /// Of so many slots, those of P, Q and C that are wanted; with that of C that of P, and that of Q where some slot `has` it.
+    pub fn new(n: usize, [p, q, c]: [bool; 3], has_q: bool) -> Masses {
         let n = |wanted: bool| vec![0.0; if wanted { n } else { 0 }];
-        // that of C takes the others
-        Masses { sums: [n(p || c), n(q || c), n(c)] }
+        Masses { sums: [n(p || c), n(q || (c && has_q)), n(c)] }
     }
 
     /// True where nothing is summed.
@@ -146,32 +162,46 @@ impl Masses {
     /// Adds some ticks of these slots.
     #[inline(always)]
     fn add(&mut self, ticks: &Seen, slots: &Range<usize>) {
-        let n = self.sums.iter().map(Vec::len).max().unwrap_or(0).min(slots.end);
+        let n = self.sums.iter().map(Vec::len).max().unwrap_or(0);
         let mut i = slots.start;
-        while i + LANES <= n {
-            self.some::<LANES>(ticks, i);
+        while i < n && i < slots.end {
+            if n < LANES {
+                for i in 0..n {
+                    self.some::<1>(ticks, i, 0);
+                }
+            } else {
+                let at = i.min(n - LANES);
+                self.some::<LANES>(ticks, at, i - at);
+            }
             i += LANES;
-        }
-        while i < n {
-            self.some::<1>(ticks, i);
-            i += 1;
         }
     }
 
     /// Adds some ticks of `N` masses.
     #[inline(always)]
-    fn some<const N: usize>(&mut self, ticks: &Seen, at: usize) {
-        let mut sums = [[0.0; N]; 3];
+    fn some<const N: usize>(&mut self, ticks: &Seen, at: usize, but: usize) {
+        let [mut by_d, mut by_next] = [[0.0; N]; 2];
         for [now, next, owed] in ticks.each() {
-            let (Some(nu), Some(x)) = (lanes::<N>(owed, at), lanes::<N>(now, at)) else { break };
+            let Some(nu) = lanes::<N>(owed, at) else { break };
             let (Some(d), Some(next)) = (lanes::<N>(now, ticks.d + at), lanes::<N>(next, ticks.d + at)) else { break };
             for i in 0..N {
-                sums[0][i] += nu[i] * d[i];
-                sums[1][i] += nu[i] * x[i];
-                sums[2][i] += nu[i] * next[i];
+                by_d[i] += nu[i] * d[i];
+                by_next[i] += nu[i] * next[i];
             }
         }
-        self.sums.iter_mut().zip(sums).for_each(|(to, by)| put(to, at, by));
+        let [to_d, to_x, to_next] = &mut self.sums;
+        put(to_d, at, by_d, but);
+        put(to_next, at, by_next, but);
+        if !to_x.is_empty() {
+            let mut by_x = [0.0; N];
+            for [now, _, owed] in ticks.each() {
+                let (Some(nu), Some(x)) = (lanes::<N>(owed, at), lanes::<N>(now, at)) else { break };
+                for i in 0..N {
+                    by_x[i] += nu[i] * x[i];
+                }
+            }
+            put(to_x, at, by_x, but);
+        }
     }
 }
 

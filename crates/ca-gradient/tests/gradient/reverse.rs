@@ -5,6 +5,7 @@ use crate::reference::{column, read, tangents};
 use ca_gradient::{Forward, Reverse, Tangents};
 use cordis_anima::ca_io::gesture::{Gesture, Track};
 use cordis_anima::{Loaded, Options};
+use std::sync::Arc;
 
 /// Compares the gradient of half the sum of squares of what is heard, in both modes; true where reverse mode knows the scene.
 pub fn both_ways(title: &str, loaded: &Loaded, t: &Tangents, wrong: &mut Vec<String>) -> bool {
@@ -22,7 +23,13 @@ fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong
         }
     };
     let loss = 0.5 * t.output.iter().map(|y| y * y).sum::<f64>();
+    let reverse = Arc::new(reverse);
     let found = reverse.gradient(&t.output, None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    let played =
+        reverse.play(Some(t.frames as f64 / t.rate), None, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    assert_eq!(played.output, t.output, "{title}: what is heard has other bits");
+    let of_it = played.gradient(&t.output, &mut || true).unwrap_or_else(|e| panic!("{title}: {e}"));
+    assert_eq!(of_it, found, "{title}: of what was played, it is another gradient");
     let mut worst = 0.0_f64;
     for (k, (p, by)) in t.parameters.iter().zip(&found.parameters).enumerate() {
         let each = || column(t, k).into_iter().zip(&t.output).map(|(t, y)| t * y);
@@ -137,7 +144,7 @@ fn what_ports_are_given_has_its_derivatives() {
 
 fn by_what_is_given(text: &str, names: &[&str]) {
     let loaded = read(text);
-    let reverse = Reverse::new(&loaded, &Options::default(), &[]).expect("a way back");
+    let reverse = Arc::new(Reverse::new(&loaded, &Options::default(), &[]).expect("a way back"));
     assert_eq!(reverse.ports().collect::<Vec<_>>(), names);
     let (ticks, rate, n) = (600, reverse.rate(), names.len());
     let track = |port: usize, k: usize| {
@@ -158,6 +165,12 @@ fn by_what_is_given(text: &str, names: &[&str]) {
     let heard = play(&own);
     let found = reverse.gradient(&heard, Some(&own), &mut || true).expect("a gradient");
     assert_eq!(found.inputs.len(), n * ticks);
+    let seconds = Some(ticks as f64 / rate);
+    let played = reverse.play(seconds, Some(&own), &mut || true).expect("it plays");
+    assert_eq!((played.frames(), &played.output), (ticks, &heard));
+    assert_eq!(played.gradient(&heard, &mut || true).expect("a gradient"), found);
+    let short = played.gradient(&heard[reverse.outputs()..], &mut || true).expect_err("a sample is missing");
+    assert_eq!(short.to_string(), "a cotangent of 599 samples, of 600 that were heard");
     let loss = |heard: &[f64]| 0.5 * heard.iter().map(|y| y * y).sum::<f64>();
     for k in [0, 1, 2, 16, 32, 150, 400, 576, 592, 598, 599] {
         for (port, name) in names.iter().enumerate() {

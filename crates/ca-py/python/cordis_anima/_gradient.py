@@ -262,11 +262,14 @@ class Derivatives:
         # a port may be under way at load, which is known with the gesture
         if mode == "auto" and isinstance(way, _core.Reverse) and way.parameters and not way.knows(driven):
             way = self._forward(wrt)
-        value = None
+        value, played = None, None
         if loss is not None:
-            audio = way.audio(seconds, driven)
             if not callable(loss):
                 raise UsageError("a loss is called with the sound, and gives its value and its derivatives by each sample")
+            if isinstance(way, _core.Reverse):
+                audio, played = way.play(seconds, driven)
+            else:
+                audio = way.audio(seconds, driven)
             found = loss(audio)
             if not isinstance(found, tuple) or len(found) != 2:
                 raise UsageError(f"a loss gives two things, its value and its derivatives by each sample, not {type(found).__name__}")
@@ -283,7 +286,7 @@ class Derivatives:
         names, values, units = _about(way)
         inputs: dict[str, Floats] = {}
         if isinstance(way, _core.Reverse):
-            slopes, all = way.gradient(given, driven)
+            slopes, all = way.gradient(given, driven) if played is None else played.gradient(given)
             inputs = {name: all[:, k] for k, name in enumerate(way.ports)}
         else:
             slopes = way.gradient(given, driven)
