@@ -90,8 +90,16 @@ impl Record {
         (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)
     }
 
-    /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs).
-    pub fn play(&mut self, scene: &Scene, parts: &Parts, s: &mut State, given: &[f64], ticks: usize) {
+    /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs). Each tick is heard by `hears`, if outputs are played.
+    pub fn play(
+        &mut self,
+        scene: &Scene,
+        parts: &Parts,
+        s: &mut State,
+        given: &[f64],
+        ticks: usize,
+        mut hears: impl FnMut(usize, &[f64]),
+    ) {
         let run = |list: &[Op], s: &mut State| {
             for op in list {
                 (op.kernel)(op, &scene.layout, s);
@@ -158,6 +166,7 @@ impl Record {
             }
             if self.writes {
                 run(&scene.writes, s);
+                hears(k, &s.output);
             }
             run(&scene.moves, s);
             s.tick += 1;

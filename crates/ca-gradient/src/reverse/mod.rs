@@ -230,7 +230,8 @@ impl Reverse {
         kept.back(|k, s| {
             let first = k * stretch;
             let ticks = stretch.min(frames - first);
-            record.play(scene, &self.parts, s, &given[first * inputs..][..ticks * inputs], ticks);
+            let given_here = &given[first * inputs..][..ticks * inputs];
+            record.play(scene, &self.parts, s, given_here, ticks, |_, _| {});
             for i in (0..ticks).rev() {
                 let tick = first + i;
                 let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };

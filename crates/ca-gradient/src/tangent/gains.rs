@@ -31,6 +31,11 @@ impl Gains {
         Gains(without.map(gain).filter(|g| g.by.iter().any(|v| *v != 0.0)).collect())
     }
 
+    /// True where no parameter changes one.
+    pub fn is_idle(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Adds to what is heard of the derivatives by parameter `q` in a tick, which began with `row`.
     pub fn add(&self, row: &Row, q: usize, to: &mut State) {
         for g in &self.0 {

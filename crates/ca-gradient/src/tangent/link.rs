@@ -1,80 +1,169 @@
-//! Link: one that is run alone, with the derivatives of all that it reads.
+//! Link: one that is run alone, with its derivatives by all that it reads.
+//!
+//! Decides to find these for some ticks before any derivative is played: what a link reads of the state is a few numbers, and with
+//! its derivatives by each the derivatives by one parameter are played over all of these ticks, beside no other.
 
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
 use ca_core::{Scene, State};
+use ca_core_dual::numeric::TANGENTS;
+
+/// A number of the state that a link reads: of a place or a motion that less that of a first end, where only their difference counts.
+enum Read {
+    Place(usize, Option<usize>),
+    Motion(usize, Option<usize>),
+    Force(usize),
+    Memory(usize),
+    Length(usize),
+}
+
+/// A number of the state that it writes.
+enum Write {
+    Force(usize),
+    Memory(usize),
+    Length(usize),
+    Tap(usize),
+}
 
 /// A link that is run alone.
-pub struct Moving(Placed);
+pub struct Moving {
+    link: Placed,
+    /// what it reads: index into what [`Alone`](crate::parts::alone::Alone) is given, and where it stands
+    reads: Vec<(usize, Read)>,
+    /// what it writes: index into what is done, and where it goes
+    writes: Vec<(usize, Write)>,
+    /// numbers that a parameter changes: index into what it reads, and the derivatives
+    numbers: Vec<(usize, [f64; TANGENTS])>,
+    /// for each tick, whether it gives no force
+    idle: Vec<bool>,
+    /// derivatives of what it writes by what it reads (ticks x writes x reads), and by parameters (ticks x writes)
+    by: Vec<f64>,
+    own: Vec<[f64; TANGENTS]>,
+    /// derivatives of what it reads, in passing (reads)
+    room: Vec<f64>,
+}
 
 impl Moving {
-    /// A link of a scene; the rest as for [`Added`](super::added::Added).
+    /// A link of a scene, for so many ticks at a time; the rest as for [`Added`](super::added::Added).
     pub fn new(
         scene: &Scene,
         link: &Link,
         dual: &ca_core_dual::Scene,
         place: &Scene,
         columns: &[&[f64]],
+        ticks: usize,
     ) -> Option<Moving> {
-        let mut link = Placed::new(scene, link, dual, place)?;
-        for (k, at) in &link.numbers {
-            for (to, column) in link.alone.moving[*k].iter_mut().zip(columns) {
-                *to = column[number(*at)];
+        let link = Placed::new(scene, link, dual, place)?;
+        let (sh, slots) = (&link.alone.shape, &link.slots);
+        let (mut reads, mut writes) = (Vec::new(), Vec::new());
+        for p in &sh.ports {
+            for k in if sh.last { p.slots() } else { p.second() } {
+                let less = (!sh.last).then(|| slots[k - p.axes]);
+                reads.push((k, Read::Place(slots[k], less)));
+                reads.push((sh.d() + k, Read::Motion(slots[k], less)));
             }
         }
-        Some(Moving(link))
+        for (k, slot) in slots.iter().enumerate() {
+            if sh.last {
+                reads.push((sh.f() + k, Read::Force(*slot)));
+            }
+            writes.push((k, Write::Force(*slot)));
+        }
+        for (k, at) in link.mem.clone().enumerate() {
+            reads.push((sh.memory() + k, Read::Memory(at)));
+            writes.push((sh.slots + k, Write::Memory(at)));
+        }
+        for (k, (_, at)) in sh.ports.iter().zip(&link.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
+            reads.push((sh.length() + k, Read::Length(*at)));
+            writes.push((sh.slots + sh.mem + k, Write::Length(*at)));
+        }
+        writes.extend(link.tap.map(|t| (link.alone.done.len() - 1, Write::Tap(t))));
+        let changed = |(k, at): &(usize, f64)| {
+            let mut by = [0.0; TANGENTS];
+            by.iter_mut().zip(columns).for_each(|(to, column)| *to = column[number(*at)]);
+            by.iter().any(|v| *v != 0.0).then_some((*k, by))
+        };
+        let numbers: Vec<_> = link.numbers.iter().filter_map(changed).collect();
+        let all = ticks * writes.len();
+        Some(Moving {
+            idle: vec![false; ticks],
+            by: vec![0.0; all * reads.len()],
+            own: vec![[0.0; TANGENTS]; all],
+            room: vec![0.0; reads.len()],
+            link,
+            reads,
+            writes,
+            numbers,
+        })
     }
 
     /// How many slots its ends have.
     pub fn slots(&self) -> usize {
-        self.0.slots.len()
+        self.link.slots.len()
     }
 
-    /// The link in one tick, which began with `row`, and its derivatives, added to those of all else, `to`; `sums` as for
-    /// [`Placed::is_idle`].
-    pub fn play(&mut self, row: &Row, sums: Option<&[f64]>, to: &mut [State]) {
-        if self.0.is_idle(row, sums) {
-            // then memory is written anew
-            for s in to {
-                s.mem[self.0.mem.clone()].fill(0.0);
-                self.0.tap.into_iter().for_each(|t| s.tap[t] = 0.0);
-            }
+    /// Finds its derivatives in tick `k` of those at a time, which began with `row`; `sums` as for [`Placed::is_idle`].
+    pub fn measure(&mut self, k: usize, row: &Row, sums: Option<&[f64]>) {
+        self.idle[k] = self.link.is_idle(row, sums);
+        if self.idle[k] {
             return;
         }
-        self.0.read(row, sums);
-        let Placed { alone, slots, mem, lengths, tap, .. } = &mut self.0;
-        let (moving, sh) = (&mut alone.moving, &alone.shape);
-        let (at_d, at_f, at_mem, at_length) = (sh.d(), sh.f(), sh.memory(), sh.length());
-        for (q, s) in to.iter().enumerate() {
-            for (k, slot) in slots.iter().enumerate() {
-                (moving[k][q], moving[at_d + k][q]) = (s.x[*slot], s.d[*slot]);
-                if sums.is_some() {
-                    moving[at_f + k][q] = s.f[*slot];
+        self.link.read(row, sums);
+        let (alone, reads, writes) = (&mut self.link.alone, &self.reads, &self.writes);
+        let by = &mut self.by[k * writes.len() * reads.len()..];
+        for (chunk, some) in reads.chunks(TANGENTS).enumerate() {
+            for (lane, (at, read)) in some.iter().enumerate() {
+                // what is not known has no derivative
+                let known = !matches!(read, Read::Length(at) if row.lengths[*at] < 0.0);
+                alone.moving[*at][lane] = f64::from(u8::from(known));
+            }
+            alone.carry();
+            for (lane, (at, _)) in some.iter().enumerate() {
+                alone.moving[*at][lane] = 0.0;
+                for ((from, _), by) in writes.iter().zip(by.chunks_exact_mut(reads.len())) {
+                    by[chunk * TANGENTS + lane] = alone.done[*from][lane];
                 }
             }
-            for (k, at) in mem.clone().enumerate() {
-                moving[at_mem + k][q] = s.mem[at];
-            }
-            for (k, (_, at)) in sh.ports.iter().zip(&*lengths).enumerate().filter(|(_, (p, _))| p.follows) {
-                // what is not known has no derivative
-                moving[at_length + k][q] = if row.lengths[*at] < 0.0 { 0.0 } else { s.lengths[*at] };
+        }
+        if !self.numbers.is_empty() {
+            self.numbers.iter().for_each(|(at, by)| alone.moving[*at] = *by);
+            alone.carry();
+            self.numbers.iter().for_each(|(at, _)| alone.moving[*at].fill(0.0));
+            for ((from, _), own) in writes.iter().zip(&mut self.own[k * writes.len()..]) {
+                *own = alone.done[*from];
             }
         }
-        alone.carry();
-        let (done, sh) = (&alone.done, &alone.shape);
-        for (q, s) in to.iter_mut().enumerate() {
-            for (slot, force) in slots.iter().zip(done) {
-                s.f[*slot] = if sums.is_some() { force[q] } else { s.f[*slot] + force[q] };
-            }
-            for (at, v) in mem.clone().zip(&done[sh.slots..]) {
-                s.mem[at] = v[q];
-            }
-            for (k, (_, at)) in sh.ports.iter().zip(&*lengths).enumerate().filter(|(_, (p, _))| p.follows) {
-                s.lengths[*at] = done[sh.slots + sh.mem + k][q];
-            }
-            if let (Some(t), Some(v)) = (*tap, done.last()) {
-                s.tap[t] = v[q];
+    }
+
+    /// Its derivatives by parameter `q` in tick `k`, added to those of all else.
+    pub fn add(&mut self, k: usize, q: usize, s: &mut State) {
+        if self.idle[k] {
+            // then memory is written anew
+            s.mem[self.link.mem.clone()].fill(0.0);
+            self.link.tap.into_iter().for_each(|t| s.tap[t] = 0.0);
+            return;
+        }
+        for (to, (_, read)) in self.room.iter_mut().zip(&self.reads) {
+            let less = |all: &[f64], at: &Option<usize>| at.map_or(0.0, |at| all[at]);
+            *to = match read {
+                Read::Place(at, first) => s.x[*at] - less(&s.x, first),
+                Read::Motion(at, first) => s.d[*at] - less(&s.d, first),
+                Read::Force(at) => s.f[*at],
+                Read::Memory(at) => s.mem[*at],
+                Read::Length(at) => s.lengths[*at],
+            };
+        }
+        let (n, last) = (self.writes.len(), self.link.alone.shape.last);
+        let by = self.by[k * n * self.room.len()..].chunks_exact(self.room.len());
+        for (((_, write), own), by) in self.writes.iter().zip(&self.own[k * n..]).zip(by) {
+            let v = by.iter().zip(&self.room).fold(own[q], |sum, (by, v)| sum + by * v);
+            match write {
+                Write::Force(at) if last => s.f[*at] = v,
+                Write::Force(at) => s.f[*at] += v,
+                Write::Memory(at) => s.mem[*at] = v,
+                Write::Length(at) => s.lengths[*at] = v,
+                Write::Tap(at) => s.tap[*at] = v,
             }
         }
     }

@@ -3,8 +3,9 @@
 //! Decides against dual numbers for all of a tick, in which every number of a long string has seven derivatives beside it and no
 //! pass is as it would be in a render. What a linear part makes of derivatives is what it makes of places: so its passes play the
 //! derivatives by each parameter as a state of its own, in their layout and as fast. Links that are not linear are
-//! run alone over dual numbers ([`link`]), once for seven parameters, and what a parameter changes of the numbers of linear ones is added
-//! as forces ([`added`]). What this cannot do goes by dual numbers, as do scenes that are small or have many links that are not linear.
+//! run alone over dual numbers ([`link`]), and what a parameter changes of the numbers of linear ones is added
+//! as forces ([`added`]): both are found for some ticks beforehand, and each state is played over these ticks by itself, so that it stays
+//! in the nearest cache. What this cannot do goes by dual numbers, as do scenes that are small or have many links that are not linear.
 
 mod added;
 mod gains;
@@ -27,8 +28,13 @@ use gains::Gains;
 use link::Moving;
 
 /// A scene has to have so many masses, and so many for each link that is run alone: less are as fast by dual numbers.
-const MASSES: usize = 64;
+const MASSES: usize = 32;
 const MASSES_FOR_LINK: usize = 8;
+
+/// Ticks that are played with the derivatives by one parameter before those by the next.
+const TICKS: usize = 16;
+/// As many masses as a scene may have of which several states fit into the nearest cache.
+const SMALL: usize = 128;
 
 /// A scene whose derivatives are played by its own passes.
 pub struct Tangent {
@@ -115,10 +121,10 @@ impl Tangent {
     ) -> Result<(), Error> {
         let columns: Vec<&[f64]> = self.numbers.derivatives[some].iter().map(Vec::as_slice).collect();
         let place = &self.numbers.place;
-        let mut added = Added::new(scene, &self.parts, place, &columns);
+        let mut added = Added::new(scene, &self.parts, place, &columns, TICKS);
         let gains = Gains::new(scene, place, &columns);
         let one = |link: &Link| {
-            let found = Moving::new(scene, link, &self.dual, place, &columns);
+            let found = Moving::new(scene, link, &self.dual, place, &columns, TICKS);
             found.ok_or_else(|| Error::Refused(unknown(&scene.forces[link.op])))
         };
         let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
@@ -126,72 +132,73 @@ impl Tangent {
         let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
         // one for all, since no derivative changes them
         let mut coefs = scene.initial.coef.clone();
-        let mut record = Record::new(scene, &self.parts, 1, [false, true]);
+        let mut record = Record::new(scene, &self.parts, TICKS, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
         let mut sample = ca_core_dual::State { output: vec![Dual::default(); scene.n_out], ..Default::default() };
-        for frame in 0..frames {
-            record.play(scene, &self.parts, &mut s, &given[frame * inputs..][..inputs], 1);
-            let (row, next) = (record.row(0), record.row(1).d);
-            for l in &mut links {
-                l.play(&row, None, &mut states);
-            }
-            added.add_to_sums(scene, &row, &mut states);
-            if !last.is_empty() {
-                each(&mut states, &mut coefs, |_, a| self.linear(scene, a));
-                let mut sums = row.sums;
-                for l in &mut last {
-                    let (own, others) = sums.split_at(l.slots() + 1);
-                    l.play(&row, Some(own), &mut states);
-                    sums = others;
-                }
-            }
-            // what is heard of forces is none of what changed numbers of rows and masses add
-            each(&mut states, &mut coefs, |q, a| {
-                if last.is_empty() {
-                    self.linear(scene, a);
-                }
-                for op in &scene.writes {
-                    (op.kernel)(op, &self.layout, a);
-                    if op.name == "outputs" {
-                        gains.add(&row, q, a);
-                    }
-                }
+        let mut outputs = vec![vec![Dual::default(); scene.n_out]; TICKS];
+        // states that fit into the nearest cache together go on in turns, tick by tick: one need not wait for another
+        let in_turn = if scene.layout.n_mat <= SMALL { 1 } else { TICKS };
+        for first in (0..frames).step_by(TICKS) {
+            let ticks = TICKS.min(frames - first);
+            let given = &given[first * inputs..][..ticks * inputs];
+            record.play(scene, &self.parts, &mut s, given, ticks, |k, output| {
+                outputs[k].iter_mut().zip(output).for_each(|(to, v)| *to = Dual::constant(*v));
             });
-            added.add_to_moves(scene, &row, next, &mut states);
-            each(&mut states, &mut coefs, |_, a| {
-                self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
-                for op in &scene.moves {
-                    (op.kernel)(op, &self.layout, a);
-                }
-                a.tick += 1;
-            });
-            for (k, to) in sample.output.iter_mut().enumerate() {
-                *to = Dual::constant(s.output[k]);
-                to.tangents_mut().iter_mut().zip(&states).for_each(|(t, a)| *t = a.output[k]);
-            }
             if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
                 return Err(diverged());
             }
-            heard(frame, &sample)?;
+            for k in 0..ticks {
+                let row = record.row(k);
+                added.measure(scene, k, &row, record.row(k + 1).d);
+                for l in &mut links {
+                    l.measure(k, &row, None);
+                }
+                let mut sums = row.sums;
+                for l in &mut last {
+                    let (own, others) = sums.split_at(l.slots() + 1);
+                    l.measure(k, &row, Some(own));
+                    sums = others;
+                }
+            }
+            for (turn, outputs) in outputs[..ticks].chunks_mut(in_turn).enumerate() {
+                for (q, a) in states.iter_mut().enumerate() {
+                    std::mem::swap(&mut a.coef, &mut coefs);
+                    for (k, output) in (turn * in_turn..).zip(&mut *outputs) {
+                        for l in &mut links {
+                            l.add(k, q, a);
+                        }
+                        added.add_to_sums(k, q, a);
+                        for (op, _) in &self.parts.linear {
+                            let op = &scene.forces[*op];
+                            (op.kernel)(op, &self.layout, a);
+                        }
+                        for l in &mut last {
+                            l.add(k, q, a);
+                        }
+                        for op in &scene.writes {
+                            (op.kernel)(op, &self.layout, a);
+                            if !gains.is_idle() && op.name == "outputs" {
+                                gains.add(&record.row(k), q, a);
+                            }
+                        }
+                        output.iter_mut().zip(&a.output).for_each(|(to, v)| to.tangents_mut()[q] = *v);
+                        // what is heard of forces is none of what changed numbers of rows and masses add
+                        added.add_to_moves(k, q, a);
+                        self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
+                        for op in &scene.moves {
+                            (op.kernel)(op, &self.layout, a);
+                        }
+                        a.tick += 1;
+                    }
+                    std::mem::swap(&mut a.coef, &mut coefs);
+                }
+            }
+            for (k, output) in outputs[..ticks].iter().enumerate() {
+                sample.output.copy_from_slice(output);
+                heard(first + k, &sample)?;
+            }
         }
         Ok(())
-    }
-
-    /// What linear links that are summed by themselves make of derivatives.
-    fn linear(&self, scene: &Scene, a: &mut State) {
-        for (k, _) in &self.parts.linear {
-            let op = &scene.forces[*k];
-            (op.kernel)(op, &self.layout, a);
-        }
-    }
-}
-
-/// Each state with its number, while it has the coefficients.
-fn each(states: &mut [State], coefs: &mut Aligned, mut run: impl FnMut(usize, &mut State)) {
-    for (q, a) in states.iter_mut().enumerate() {
-        std::mem::swap(&mut a.coef, coefs);
-        run(q, a);
-        std::mem::swap(&mut a.coef, coefs);
     }
 }
 
