@@ -149,7 +149,7 @@ impl Voice {
         self.running.diverged
     }
 
-    /// Back to the beginning, live parameters too.
+    /// Back to the beginning, live parameters too; allocates, so between blocks and not in one.
     pub fn reset(&mut self) {
         *self = Voice::new(self.scene.clone());
     }
