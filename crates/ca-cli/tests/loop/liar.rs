@@ -4,7 +4,7 @@ use super::raw::Place;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::host::watch::Watch;
-use ca_haptic::rt::{now_ns, wait_until};
+use ca_haptic::rt::{RtRequest, ask, now_ns, wait_until};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
@@ -108,6 +108,8 @@ impl Drop for Liar {
 }
 
 fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
+    // as a device's own process does, where it may
+    ask(RtRequest { priority: Some(70), ..RtRequest::default() });
     let frames = place.writer::<DeviceFrame>(name, "in", 0);
     let forces = place.reader::<ForceFrame>(name, "out");
     let says = place.writer::<About>(name, "about", 1);
