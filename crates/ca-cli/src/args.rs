@@ -39,8 +39,10 @@ pub use tune::{Scale, TuneArgs};
 #[derive(Parser)]
 #[command(name = "ca", version, about = "Virtual instruments made of masses and interactions (CORDIS-ANIMA)")]
 #[command(max_term_width = 100)]
-#[command(after_help = "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped).\n\
-                        A model is a file `*.ca.toml`, a MIMS file `*.mdl`, or the name of a bundled model (`ca list`).")]
+#[command(
+    after_help = "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped), 130 interrupted.\n\
+                        A model is a file `*.ca.toml`, a MIMS file `*.mdl`, or the name of a bundled model (`ca list`)."
+)]
 pub struct Cli {
     /// what to do
     #[command(subcommand)]

@@ -141,7 +141,11 @@ impl<'a> Wiring<'a> {
         if all && class != KernelClass::Reference && self.set(id, law, &a, &b) {
             return;
         }
-        let count = if all { a.len().saturating_mul(b.len()) } else { a.len().max(b.len()) };
+        let count = match (all, a == b) {
+            (true, true) => a.len().saturating_mul(a.len() - 1) / 2,
+            (true, false) => a.len().saturating_mul(b.len()),
+            (false, _) => a.len().max(b.len()),
+        };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
             // once, not for each link that is one too many
             if !core::mem::replace(&mut self.over, true) {

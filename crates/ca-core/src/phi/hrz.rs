@@ -1,6 +1,6 @@
 //! HRZ: a Hertz contact, one-sided with a power law, with Hunt–Crossley losses.
 //!
-//! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p (1 + h dη/dt) while η > 0.
+//! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p max(0, 1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
 //! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. "stable" and "stable3d" are passive
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
@@ -16,7 +16,7 @@ use crate::numeric::{Real, Table, quarter_power, real};
 pub static KIND: Kind = Kind {
     code: "HRZ",
     title: "Hertz contact",
-    equation: "F = -k n^p (1 + h dn/dt),  n = d - e > 0",
+    equation: "F = -k n^p max(0, 1 + h dn/dt),  n = d - e > 0",
     doc: "The contact of rounded bodies: soft at first touch, hard when pressed, so that loud strokes are brighter. \
           `h` takes energy at each blow and never makes the bodies stick. Its blow makes or takes a little energy, as that of a `BUT`; with \
           `method = \"stable\"` it does not.",

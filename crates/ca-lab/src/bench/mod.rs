@@ -2,7 +2,8 @@
 //!
 //! Decides that a module is a MAT or a LIA, as there, and that parameters differ from module to module: an engine that is
 //! fast only where all are alike is another row of that table. A network is made larger or smaller until its tick takes
-//! nearly as long as a sample lasts; what is said to be in time was measured to be.
+//! nearly as long as a sample lasts; what is said to be in time was measured to be. What was too late is measured again, since other programs
+//! make a tick longer and never shorter.
 
 mod networks;
 
@@ -31,7 +32,9 @@ pub const BYTES: usize = 8 * (6 + 2) / 2;
 /// The smallest network that is measured, in masses.
 const SMALLEST: usize = 32;
 /// Sizes that are tried at each rate.
-const TRIES: usize = 9;
+const TRIES: usize = 12;
+/// How often one is measured before it is too late.
+const AGAIN: usize = 3;
 /// Playing so long brings a network into motion \[ticks\].
 const WARM: u32 = 200;
 
@@ -121,24 +124,28 @@ pub fn ns_per_instruction() -> Result<f64, Failure> {
 /// As [`measure`], and what `look` returns.
 pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) -> Result<Fits, Failure> {
     let mut known: BTreeMap<usize, Size> = BTreeMap::new();
-    let mut at = |masses: usize| -> Result<Size, Failure> {
-        look()?;
-        if let Some(size) = known.get(&masses) {
-            return Ok(*size);
+    let mut at = |masses: usize, budget: f64| -> Result<Size, Failure> {
+        let mut size = known.get(&masses).copied();
+        for _ in 0..AGAIN {
+            if size.is_some_and(|s| s.ns <= budget) {
+                break;
+            }
+            look()?;
+            let anew = measure(network, masses)?;
+            size = size.filter(|s| s.ns <= anew.ns).or(Some(anew));
         }
-        let size = measure(network, masses)?;
+        let size = size.unwrap_or(Size { modules: 0, ns: f64::INFINITY });
         known.insert(masses, size);
         Ok(size)
     };
-    let mut found = [Size { modules: 0, ns: 0.0 }; 2];
-    for (found, rate) in found.iter_mut().zip(RATES) {
+    for rate in RATES {
         let budget = 1e9 / rate;
         // in time with `low` masses, too late with `high`
         let (mut low, mut high, mut masses) = (0, network.most + 1, SMALLEST);
         for _ in 0..TRIES {
-            let size = at(masses)?;
+            let size = at(masses, budget)?;
             if size.ns <= budget {
-                (low, *found) = (masses, size);
+                low = masses;
             } else {
                 high = masses;
             }
@@ -151,7 +158,12 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
             masses = if low < next && next < high { next } else { usize::midpoint(low, high).max(1) };
         }
     }
-    Ok(Fits { name: network.name, about: network.about, at: found })
+    // what was in time for one rate is so for a lower one
+    let at = RATES.map(|rate| {
+        let in_time = known.values().rev().find(|s| s.ns <= 1e9 / rate);
+        in_time.copied().unwrap_or(Size { modules: 0, ns: 0.0 })
+    });
+    Ok(Fits { name: network.name, about: network.about, at })
 }
 
 /// A bundled instrument, played by its own gesture for a moment.

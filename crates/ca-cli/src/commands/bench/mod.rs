@@ -58,16 +58,33 @@ pub fn run(args: &BenchArgs) -> Outcome {
 
 /// The networks of these names; all of them where there are none.
 fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
-    let find = |name: &String| {
+    let find = |wanted: &String| {
         let known = || NETWORKS.iter().map(|n| n.name);
-        NETWORKS.iter().find(|n| n.name == name.trim()).ok_or_else(|| {
+        NETWORKS.iter().find(|n| n.name == wanted.trim()).ok_or_else(|| {
             let all = known().collect::<Vec<_>>().join(", ");
+            if ca_lab::load::BUNDLED.iter().any(|(name, _)| *name == wanted.trim()) {
+                let what = format!(
+                    "`{wanted}` is an instrument, which is measured where `--only` is left out; networks: {all}"
+                );
+                return Failure::Usage(what);
+            }
             let help =
-                nearest(name, known()).map_or(format!("there are {all}"), |near| format!("did you mean `{near}`?"));
-            Failure::Usage(format!("no network is called `{name}`; {help}"))
+                nearest(wanted, known()).map_or(format!("there are {all}"), |near| format!("did you mean `{near}`?"));
+            Failure::Usage(format!("no network is called `{wanted}`; {help}"))
         })
     };
-    if only.is_empty() { Ok(NETWORKS.iter().collect()) } else { only.iter().map(find).collect() }
+    if only.is_empty() {
+        return Ok(NETWORKS.iter().collect());
+    }
+    let mut all: Vec<&Network> = only.iter().map(find).collect::<Result<_, _>>()?;
+    let mut seen = Vec::new();
+    all.retain(|n| {
+        !seen.contains(&n.name) && {
+            seen.push(n.name);
+            true
+        }
+    });
+    Ok(all)
 }
 
 /// As cells: name, modules at each rate, time of a module.
@@ -107,11 +124,12 @@ fn text(m: &Measured) -> Result<(), Failure> {
 
 fn value(m: &Measured) -> Json {
     let size = |(s, copied): &(Size, f64)| json!({"modules": s.modules, "ns_per_tick": s.ns, "ns_copied": copied});
+    let each = |s: &Size| s.ns / s.modules.max(1) as f64;
     let fits = m.fits.iter().map(|f| {
         let at: Vec<Json> =
             f.at.iter()
                 .zip(RATES)
-                .map(|(s, r)| json!({"rate": r, "modules": s.modules, "ns_per_tick": s.ns}))
+                .map(|(s, r)| json!({"rate": r, "modules": s.modules, "ns_per_tick": s.ns, "ns_per_module": each(s)}))
                 .collect();
         json!({"network": f.name, "about": f.about, "in_real_time": at})
     });
