@@ -29,6 +29,8 @@
 #![cfg_attr(dual, allow(clippy::large_types_passed_by_value, clippy::unnecessary_min_or_max))]
 
 extern crate alloc;
+#[cfg(feature = "std")]
+extern crate std;
 
 pub mod border;
 mod catalog;
