@@ -94,7 +94,7 @@ impl Dual {
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Dual {
-        let root = super::real::root(self.all[0]);
+        let root = super::real::value_sqrt(self.all[0]);
         self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
 

@@ -114,43 +114,23 @@ pub const fn bare(v: Outer) -> f64 {
     return v.value();
 }
 
-/// The square root of plain numbers. That of `std` becomes an instruction among its neighbours, in as many lanes as these have; that of
-/// `libm` is one instruction of SSE by itself, in no lanes, which stalls for some hundred cycles between those of AVX. Both are correctly rounded.
-#[cfg(not(single))]
-#[inline(always)]
-pub(super) fn root(v: f64) -> f64 {
-    #[cfg(feature = "std")]
-    return v.sqrt();
-    #[cfg(not(feature = "std"))]
-    return libm::sqrt(v);
-}
-
-/// The same in single precision.
-#[cfg(single)]
-#[inline(always)]
-fn root_single(v: f32) -> f32 {
-    #[cfg(feature = "std")]
-    return v.sqrt();
-    #[cfg(not(feature = "std"))]
-    return libm::sqrtf(v);
-}
-
 /// The square root.
 #[inline(always)]
 pub fn sqrt(v: Real) -> Real {
-    #[cfg(not(any(single, dual)))]
-    return root(v);
-    #[cfg(single)]
-    return root_single(v);
+    #[cfg(not(dual))]
+    return value_sqrt(v);
     #[cfg(dual)]
     return v.sqrt();
 }
 
-/// The square root of what decides.
+/// The square root of what decides. That of `std` is an instruction among its neighbours, in as many lanes as these have; that of
+/// `libm` is one of SSE by itself, in no lanes, which stalls between those of AVX. Both are correctly rounded.
 #[inline(always)]
 pub fn value_sqrt(v: Value) -> Value {
-    #[cfg(not(single))]
-    return root(v);
-    #[cfg(single)]
-    return root_single(v);
+    #[cfg(feature = "std")]
+    return v.sqrt();
+    #[cfg(all(not(feature = "std"), not(single)))]
+    return libm::sqrt(v);
+    #[cfg(all(not(feature = "std"), single))]
+    return libm::sqrtf(v);
 }

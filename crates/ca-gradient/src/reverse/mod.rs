@@ -213,12 +213,11 @@ impl Reverse {
         self.back(&kept, cotangent, goes_on)
     }
 
-    /// The same, of what was played.
+    /// The same, of what was played; the cotangent has as many samples.
     fn back(&self, kept: &Kept, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
         let (inputs, outputs, stretch) = (scene.inputs.len(), scene.n_out.max(1), kept.stretch);
-        let (frames, given) = (frames_of(cotangent, outputs)?, &kept.given);
-        debug_assert_eq!(frames, kept.frames);
+        let (frames, given) = (kept.frames, &kept.given);
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
         let owed = back.outputs.before_low_pass(cotangent);

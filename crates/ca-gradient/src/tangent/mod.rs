@@ -33,8 +33,6 @@ const MASSES_FOR_LINK: usize = 8;
 
 /// Ticks that are played with the derivatives by one parameter before those by the next.
 const TICKS: usize = 16;
-/// As many masses as a scene may have of which several states fit into the nearest cache.
-const SMALL: usize = 128;
 
 /// A scene whose derivatives are played by its own passes.
 pub struct Tangent {
@@ -136,8 +134,6 @@ impl Tangent {
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
         let mut sample = ca_core_dual::State { output: vec![Dual::default(); scene.n_out], ..Default::default() };
         let mut outputs = vec![vec![Dual::default(); scene.n_out]; TICKS];
-        // states that fit into the nearest cache together go on in turns, tick by tick: one need not wait for another
-        let in_turn = if scene.layout.n_mat <= SMALL { 1 } else { TICKS };
         for first in (0..frames).step_by(TICKS) {
             let ticks = TICKS.min(frames - first);
             let given = &given[first * inputs..][..ticks * inputs];
@@ -160,38 +156,36 @@ impl Tangent {
                     sums = others;
                 }
             }
-            for (turn, outputs) in outputs[..ticks].chunks_mut(in_turn).enumerate() {
-                for (q, a) in states.iter_mut().enumerate() {
-                    std::mem::swap(&mut a.coef, &mut coefs);
-                    for (k, output) in (turn * in_turn..).zip(&mut *outputs) {
-                        for l in &mut links {
-                            l.add(k, q, a);
-                        }
-                        added.add_to_sums(k, q, a);
-                        for (op, _) in &self.parts.linear {
-                            let op = &scene.forces[*op];
-                            (op.kernel)(op, &self.layout, a);
-                        }
-                        for l in &mut last {
-                            l.add(k, q, a);
-                        }
-                        for op in &scene.writes {
-                            (op.kernel)(op, &self.layout, a);
-                            if !gains.is_idle() && op.name == "outputs" {
-                                gains.add(&record.row(k), q, a);
-                            }
-                        }
-                        output.iter_mut().zip(&a.output).for_each(|(to, v)| to.tangents_mut()[q] = *v);
-                        // what is heard of forces is none of what changed numbers of rows and masses add
-                        added.add_to_moves(k, q, a);
-                        self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
-                        for op in &scene.moves {
-                            (op.kernel)(op, &self.layout, a);
-                        }
-                        a.tick += 1;
+            for (q, a) in states.iter_mut().enumerate() {
+                std::mem::swap(&mut a.coef, &mut coefs);
+                for (k, output) in outputs[..ticks].iter_mut().enumerate() {
+                    for l in &mut links {
+                        l.add(k, q, a);
                     }
-                    std::mem::swap(&mut a.coef, &mut coefs);
+                    added.add_to_sums(k, q, a);
+                    for (op, _) in &self.parts.linear {
+                        let op = &scene.forces[*op];
+                        (op.kernel)(op, &self.layout, a);
+                    }
+                    for l in &mut last {
+                        l.add(k, q, a);
+                    }
+                    for op in &scene.writes {
+                        (op.kernel)(op, &self.layout, a);
+                        if !gains.is_idle() && op.name == "outputs" {
+                            gains.add(&record.row(k), q, a);
+                        }
+                    }
+                    output.iter_mut().zip(&a.output).for_each(|(to, v)| to.tangents_mut()[q] = *v);
+                    // what is heard of forces is none of what changed numbers of rows and masses add
+                    added.add_to_moves(k, q, a);
+                    self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
+                    for op in &scene.moves {
+                        (op.kernel)(op, &self.layout, a);
+                    }
+                    a.tick += 1;
                 }
+                std::mem::swap(&mut a.coef, &mut coefs);
             }
             for (k, output) in outputs[..ticks].iter().enumerate() {
                 sample.output.copy_from_slice(output);

@@ -125,16 +125,16 @@ pub fn ns_per_instruction() -> Result<f64, Failure> {
 pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) -> Result<Fits, Failure> {
     let mut known: BTreeMap<usize, Size> = BTreeMap::new();
     let mut at = |masses: usize, budget: f64| -> Result<Size, Failure> {
-        let mut size = known.get(&masses).copied();
-        for _ in 0..AGAIN {
-            if size.is_some_and(|s| s.ns <= budget) {
+        look()?;
+        let mut size = known.get(&masses).map_or_else(|| measure(network, masses), |s| Ok(*s))?;
+        for _ in 1..AGAIN {
+            if size.ns <= budget {
                 break;
             }
             look()?;
-            let anew = measure(network, masses)?;
-            size = size.filter(|s| s.ns <= anew.ns).or(Some(anew));
+            let again = measure(network, masses)?;
+            size.ns = size.ns.min(again.ns);
         }
-        let size = size.unwrap_or(Size { modules: 0, ns: f64::INFINITY });
         known.insert(masses, size);
         Ok(size)
     };

@@ -76,14 +76,13 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
     if only.is_empty() {
         return Ok(NETWORKS.iter().collect());
     }
-    let mut all: Vec<&Network> = only.iter().map(find).collect::<Result<_, _>>()?;
-    let mut seen = Vec::new();
-    all.retain(|n| {
-        !seen.contains(&n.name) && {
-            seen.push(n.name);
-            true
+    let mut all: Vec<&Network> = Vec::new();
+    for network in only.iter().map(find) {
+        let network = network?;
+        if all.iter().all(|n| n.name != network.name) {
+            all.push(network);
         }
-    });
+    }
     Ok(all)
 }
 
