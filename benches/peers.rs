@@ -158,17 +158,9 @@ fn time(row: &mut Row, players: &mut [(Option<usize>, Box<dyn Player>)], rounds:
 
 /// Whose times these are, and by what the peers were made.
 fn machine() -> String {
-    let flags = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let has: Vec<&str> =
-        ["avx2", "avx512f"].into_iter().filter(|f| flags.split_whitespace().any(|w| w == *f)).collect();
     let by = ["faust", "clang++", "g++"].map(|p| version(p).unwrap_or_else(|| format!("no {p}")));
     let numba = numba().map_or("no numba".into(), |(_, version)| version);
-    format!(
-        "The machine of this page is {}, with {}; {}, {numba}.",
-        ca_benches::machine(),
-        if has.is_empty() { "neither AVX2 nor AVX-512".into() } else { has.join(" and ") },
-        by.join(", ")
-    )
+    format!("The machine of this page is {}; {}, {numba}.", ca_benches::machine(), by.join(", "))
 }
 
 fn as_json(rows: &[Row], machine: &str, wide: bool) -> Value {

@@ -18,13 +18,20 @@ use ca_model::Model;
 pub use grains::grains;
 use std::fmt::Write as _;
 
-/// Whose times these are.
+/// Whose times these are, and which of the vectors that the engine chooses between it has.
 pub fn machine() -> String {
     let reported = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let flags: Vec<&str> =
+        reported.lines().find(|l| l.starts_with("flags")).unwrap_or_default().split_whitespace().collect();
+    let has: Vec<&str> = ["avx2", "avx512f"].into_iter().filter(|f| flags.contains(f)).collect();
+    let vectors = if has.is_empty() { "neither AVX2 nor AVX-512".into() } else { has.join(" and ") };
     let name = reported.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let virtual_one = if reported.contains("hypervisor") { ", a virtual one that it shares with others" } else { "" };
-    format!("{cores} cores of {}{virtual_one}", name.map_or("a kind it does not tell", |(_, name)| name.trim()))
+    format!(
+        "{cores} cores of {}{virtual_one}, with {vectors}",
+        name.map_or("a kind it does not tell", |(_, name)| name.trim())
+    )
 }
 
 /// All kinds there are.

@@ -65,12 +65,23 @@ pub fn machine() -> String {
     format!("{}{virtual_one}", name.map_or("a processor that does not say its name", |(_, name)| name.trim()))
 }
 
-/// The time in which this machine copies so many bytes, half of which are read and half written \[ns\]: a tick that
-/// takes about as long for as many waits for memory, whatever it computes.
-pub fn copying(bytes: usize) -> f64 {
-    let from = vec![1.0_f64; bytes.div_ceil(16)];
-    let mut to = from.clone();
-    Timing::default().fastest(&mut to, |_| (), |to| to.copy_from_slice(std::hint::black_box(&from)))
+/// The time in which this machine reads so many bytes and writes a quarter of them back \[ns\], with the widest vectors it
+/// has and next to nothing to compute: a tick that takes about as long for as many waits for memory, whatever it computes.
+pub fn streaming(bytes: usize) -> f64 {
+    let rows = [const { 0.5_f64 }; 3].map(|v| vec![v; bytes.div_ceil(32)]);
+    let mut to = rows[0].clone();
+    let widest = pulp::Arch::new();
+    Timing::default().fastest(
+        &mut to,
+        |_| (),
+        |to| {
+            let [a, b, c] = std::hint::black_box(&rows);
+            widest.dispatch(
+                #[inline(always)]
+                || to.iter_mut().zip(a).zip(b).zip(c).for_each(|(((to, a), b), c)| *to = 0.25 * (*to + a + b + c)),
+            );
+        },
+    )
 }
 
 /// The caches of data of the first processor, as far as the system says: name and bytes, smallest first.

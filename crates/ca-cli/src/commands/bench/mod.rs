@@ -40,7 +40,7 @@ pub fn run(args: &BenchArgs) -> Outcome {
         bar.inc(1);
     }
     for modules in sizes {
-        m.curve.push(bench::beside_copying(*modules)?);
+        m.curve.push(bench::beside_streaming(*modules)?);
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -112,17 +112,21 @@ fn text(m: &Measured) -> Result<(), Failure> {
         writeln!(out, "  {:<20} {:>8} {:>12} {:>10}", i.name, i.size.modules, term::short(i.size.ns), i.at_once)?;
     }
     if !m.curve.is_empty() {
-        writeln!(out, "\n  {:>10} {:>12} {:>12} {:>14}   a string", "modules", "ns/tick", "ns/module", "copied, ns")?;
+        writeln!(
+            out,
+            "\n  {:>10} {:>12} {:>12} {:>14}   a string",
+            "modules", "ns/tick", "ns/module", "its bytes, ns"
+        )?;
     }
-    for (s, copied) in &m.curve {
-        let [each, copied] = [s.ns, *copied].map(|ns| term::short(ns / s.modules.max(1) as f64));
-        writeln!(out, "  {:>10} {:>12} {each:>12} {copied:>14}", s.modules, term::short(s.ns))?;
+    for (s, bytes) in &m.curve {
+        let [each, bytes] = [s.ns, *bytes].map(|ns| term::short(ns / s.modules.max(1) as f64));
+        writeln!(out, "  {:>10} {:>12} {each:>12} {bytes:>14}", s.modules, term::short(s.ns))?;
     }
     Ok(())
 }
 
 fn value(m: &Measured) -> Json {
-    let size = |(s, copied): &(Size, f64)| json!({"modules": s.modules, "ns_per_tick": s.ns, "ns_copied": copied});
+    let size = |(s, bytes): &(Size, f64)| json!({"modules": s.modules, "ns_per_tick": s.ns, "ns_of_its_bytes": bytes});
     let each = |s: &Size| s.ns / s.modules.max(1) as f64;
     let fits = m.fits.iter().map(|f| {
         let at: Vec<Json> =
@@ -135,11 +139,13 @@ fn value(m: &Measured) -> Json {
     let instruments = m.instruments.iter().map(|i| {
         json!({"instrument": i.name, "rate": i.rate, "modules": i.size.modules, "ns_per_sample": i.size.ns, "at_once": i.at_once})
     });
+    let caches = ca_lab::timing::caches().into_iter().map(|(name, bytes)| json!({"name": name, "bytes": bytes}));
     json!({
         "machine": ca_lab::timing::machine(),
         "networks": fits.collect::<Vec<_>>(),
         "paper": PAPER.map(|(engine, modules)| json!({"engine": engine, "rate": 44_100.0, "modules": modules})),
         "instruments": instruments.collect::<Vec<_>>(),
+        "caches": caches.collect::<Vec<_>>(),
         "curve": m.curve.iter().map(size).collect::<Vec<_>>(),
     })
 }

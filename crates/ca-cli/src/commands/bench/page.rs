@@ -33,9 +33,9 @@ pub(super) fn page(m: &Measured) -> Report {
     }
     if !m.curve.is_empty() {
         let words = format!(
-            "A tick of a string reads or writes {BYTES} bytes for each module. The other curve is the time in which this \
-             machine copies as many, half of them read and half written: where a tick takes about as long, memory is its \
-             limit. Marks are sizes at which all of them just fit into a cache."
+            "A tick of a string reads {BYTES} bytes for each module and writes a quarter of them back. The other curve is the \
+             time in which this machine does that and computes next to nothing: where a tick takes about as long, memory is \
+             its limit. Marks are sizes at which all of them just fit into a cache."
         );
         let blocks = vec![Block::Plot(curve(m)), Block::Text(words)];
         report.sections.push(Section::new("Cost against size", blocks));
@@ -43,12 +43,12 @@ pub(super) fn page(m: &Measured) -> Report {
     report
 }
 
-/// The time of a module of a string over how many there are, that of copying its bytes, and the sizes of the caches.
+/// The time of a module of a string over how many there are, that of its bytes alone, and the sizes of the caches.
 fn curve(m: &Measured) -> Plot {
     let x: Vec<f64> = m.curve.iter().map(|(s, _)| s.modules as f64).collect();
     let each = |ns: f64, s: &Size| ns / s.modules.max(1) as f64;
     let tick = m.curve.iter().map(|(s, _)| each(s.ns, s)).collect();
-    let copied = m.curve.iter().map(|(s, copied)| each(*copied, s)).collect();
+    let bytes = m.curve.iter().map(|(s, bytes)| each(*bytes, s)).collect();
     let (least, most) = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
     let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
     let marks = marks.filter(|(_, modules)| (least..=most).contains(modules));
@@ -57,7 +57,7 @@ fn curve(m: &Measured) -> Plot {
         x: Axis::log("modules", ""),
         y: Axis::linear("ns per module", ""),
         grid: Grid::Points(x),
-        curves: vec![Curve::line("a tick, over its modules", tick), Curve::line("as many bytes copied", copied)],
+        curves: vec![Curve::line("a tick, over its modules", tick), Curve::line("its bytes, read and written", bytes)],
         marks: marks.map(|(text, x)| Mark { x, y: None, text }).collect(),
         image: None,
     }
