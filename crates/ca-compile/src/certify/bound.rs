@@ -11,7 +11,7 @@ pub struct Bounds {
     pub cause: Option<usize>,
     /// it is at most this
     pub upper: f64,
-    /// the MAT nearest to the limit
+    /// the MAT nearest to the limit, if one has any
     pub worst: Option<usize>,
     /// whether each negative spring is covered by those beside it
     pub covered: bool,
@@ -31,7 +31,8 @@ pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     let discs = sums.mats.iter().map(|s| s.disc * s.scaled_mobility).fold(0.0, f64::max);
     let upper = if negative { discs } else { pairs(net, sums).min(discs) };
     let all = |i: &usize| sums.mats[*i].all * sums.mats[*i].scaled_mobility;
-    let worst = (0..sums.mats.len()).max_by(|a, b| all(a).total_cmp(&all(b)));
+    let judged = (0..sums.mats.len()).filter(|i| all(i) > 0.0);
+    let worst = judged.max_by(|a, b| all(a).total_cmp(&all(b)));
     Bounds { lower, cause, upper, worst, covered: !negative || sums.springs.covered() }
 }
 

@@ -21,11 +21,11 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
         return;
     }
     let (a, b) = (net.end_name(ends[0]), net.end_name(ends[1]));
-    let force = quantity::show(f.abs(), Unit::NEWTON);
-    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
     // three digits are enough to find the place
-    let gap = format!("{:.2e}", e.abs()).parse().unwrap_or(e.abs());
-    let gap = quantity::show(gap, Unit::METRE);
+    let three = |v: f64| format!("{:.2e}", v.abs()).parse().unwrap_or(v.abs());
+    let force = quantity::show(three(f), Unit::NEWTON);
+    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
+    let gap = quantity::show(three(e), Unit::METRE);
     let (label, help) = if l.is_radial() {
         let way = if f < 0.0 { "move them apart" } else { "move them closer" };
         (format!("`{b}` is {gap} from `{a}`"), format!("{way} by `x` or `dx0`, or change `d`"))

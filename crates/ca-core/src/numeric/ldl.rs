@@ -20,30 +20,58 @@ pub struct Pattern {
     pub rows: Vec<u32>,
 }
 
+/// What stands in one rising list or the other, `but` for two.
+fn union(a: &[u32], b: &[u32], but: [u32; 2], to: &mut Vec<u32>) {
+    to.clear();
+    let (mut a, mut b) = (a, b);
+    while let (Some(x), Some(y)) = (a.first(), b.first()) {
+        let least = *x.min(y);
+        (a, b) = (&a[usize::from(*x == least)..], &b[usize::from(*y == least)..]);
+        to.push(least);
+    }
+    to.extend(a);
+    to.extend(b);
+    to.retain(|v| !but.contains(v));
+}
+
 impl Pattern {
     /// The pattern for `n` rows of which these pairs are joined; `None` where L would have more than `most` entries.
     pub fn new(n: usize, pairs: impl Iterator<Item = (u32, u32)>, most: usize) -> Option<Pattern> {
-        let mut near: Vec<BTreeSet<u32>> = alloc::vec![BTreeSet::new(); n];
+        let mut near: Vec<Vec<u32>> = alloc::vec![Vec::new(); n];
         for (i, j) in pairs.filter(|(i, j)| i != j) {
-            near[i as usize].insert(j);
-            near[j as usize].insert(i);
+            near[i as usize].push(j);
+            near[j as usize].push(i);
+        }
+        for s in &mut near {
+            s.sort_unstable();
+            s.dedup();
         }
         let mut left: BTreeSet<(usize, u32)> = near.iter().zip(0..).map(|(s, i)| (s.len(), i)).collect();
         let (mut order, mut below, mut all) = (Vec::with_capacity(n), Vec::with_capacity(n), 0);
-        while let Some((_, i)) = left.pop_first() {
+        let mut joined = Vec::new();
+        while let Some((fewest, i)) = left.pop_first() {
             let around = core::mem::take(&mut near[i as usize]);
-            for j in &around {
-                let s = &mut near[*j as usize];
-                left.remove(&(s.len(), *j));
-                s.remove(&i);
-                s.extend(around.iter().filter(|o| *o != j));
-                left.insert((s.len(), *j));
-            }
             all += around.len();
-            if all > most {
+            // where each of those left has all others around it, as often at the end, what is to come is known
+            let others = left.len();
+            let full = fewest == others;
+            if all > most || (full && all + others * others.saturating_sub(1) / 2 > most) {
                 return None;
             }
             order.push(i);
+            if full {
+                order.extend(&around);
+                below.extend((0..=others).map(|k| around[k..].to_vec()));
+                all += others * others.saturating_sub(1) / 2;
+                break;
+            }
+            for j in &around {
+                let s = &mut near[*j as usize];
+                left.remove(&(s.len(), *j));
+                union(s, &around, [i, *j], &mut joined);
+                core::mem::swap(s, &mut joined);
+                left.insert((s.len(), *j));
+            }
             below.push(around);
         }
         let mut at = alloc::vec![0_u32; n];

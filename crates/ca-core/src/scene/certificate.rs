@@ -78,7 +78,7 @@ pub struct Certificate {
     /// what it was at any time before; for motions small against the lengths of links, about a pose of rest in which no
     /// link is pressed, and left alone. `None` where that is not known
     pub ripple: Option<f64>,
-    /// the module nearest to the limit
+    /// the module nearest to the limit; empty where nothing has one
     pub worst: String,
     /// largest contact stiffness ratio kT²/m; recommended up to 1
     pub contact: f64,

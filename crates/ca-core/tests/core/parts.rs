@@ -46,6 +46,41 @@ fn a_factor_solves_what_elimination_solves() {
     }
 }
 
+/// Rows are eliminated by the fewest neighbours left, the first of those that have as many, and join what is around them.
+#[test]
+fn a_factor_has_the_order_and_the_entries_of_plain_elimination() {
+    let mut next = numbers(5);
+    for (n, ties) in [(1, 0), (6, 2), (30, 25), (30, 60), (30, 400), (60, 90)] {
+        let mut place = || (next() * n as f64) as u32;
+        let pairs: Vec<(u32, u32)> = (0..ties).map(|_| (place(), place())).collect();
+        let mut near = vec![BTreeSet::new(); n];
+        for (i, j) in pairs.iter().filter(|(i, j)| i != j) {
+            near[*i as usize].insert(*j);
+            near[*j as usize].insert(*i);
+        }
+        let (mut left, mut order, mut entries): (Vec<u32>, Vec<u32>, Vec<BTreeSet<u32>>) = Default::default();
+        left.extend(0..n as u32);
+        while let Some(i) = left.iter().copied().min_by_key(|i| (near[*i as usize].len(), *i)) {
+            left.retain(|j| *j != i);
+            let around = near[i as usize].clone();
+            for j in &around {
+                near[*j as usize].extend(around.iter().filter(|o| *o != j));
+                near[*j as usize].remove(&i);
+            }
+            order.push(i);
+            entries.push(around);
+        }
+        let p = Pattern::new(n, pairs.into_iter(), usize::MAX).unwrap();
+        assert_eq!(p.order, order, "{n} rows, {ties} ties");
+        for (k, wanted) in entries.iter().enumerate() {
+            let rows = &p.rows[p.columns[k] as usize..p.columns[k + 1] as usize];
+            assert!(rows.is_sorted_by(|a, b| a < b));
+            let is: BTreeSet<u32> = rows.iter().map(|r| p.order[*r as usize]).collect();
+            assert_eq!(is, *wanted, "row {k} of {n}, {ties} ties");
+        }
+    }
+}
+
 /// Gauss with the largest pivot.
 fn eliminated(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();

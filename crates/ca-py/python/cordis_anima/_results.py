@@ -66,7 +66,7 @@ class Certificate(NamedTuple):
     largest: tuple[float, float] | None
     #: share by which energy may rise in a linearised scene
     ripple: float | None
-    #: the module nearest to the limit
+    #: the module nearest to the limit; empty where nothing has one
     worst: str
     #: largest kT²/m of a contact; up to 1 is safe
     contact: float
