@@ -36,7 +36,7 @@ fn python() -> Option<PathBuf> {
 fn everything_in_python() {
     let Some(python) = python() else { return };
     // these look for `CA_LONG` themselves
-    long_form("notebooks a second time, most tasks of sweeps, most calls of a render");
+    long_form("the notebook that trains, others a second time, most tasks of sweeps, most calls of a render");
     let exe = std::env::current_exe().expect("this test");
     let deps = exe.parent().expect("its folder");
     // what cargo has built for this test

@@ -50,13 +50,17 @@ pub fn hammer_piano() {
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(level(7.3, 7.5) > level(6.2, 6.4) - 25.0 && level(8.1, 8.3) < level(7.3, 7.5) - 20.0);
     // each key by itself sounds its note of equal temperament
-    let keys = if long_form("nine of twelve keys by themselves") { 1 } else { 5 };
-    for i in (0..12).step_by(keys) {
+    let long =
+        long_form("eleven of twelve keys by themselves, and how one is heard that is hit harder, held and let go");
+    for i in 0..if long { 12 } else { 1 } {
         let want = 440.0 * 2f64.powf((f64::from(i) - 9.0) / 12.0);
         let alone = one_key(&h.model, &format!("key[{i}].key"), &[&strikes[2 * i as usize]], 0.3, 2.0, 1.6);
         let found = partial(alone.at(0, 0.3, 1.5), alone.rate, want, 10.0).0;
         assert_eq!(blows(&alone.probe[0], h.rate), 1, "key {i}");
         assert!(cents(found, want).abs() < 2.0, "key {i}: {found:.2} Hz, not {want:.2} Hz");
+    }
+    if !long {
+        return;
     }
     // louder is brighter
     for (speed, f) in [(0.08, 324.0), (0.58, 641.0)] {
@@ -297,6 +301,9 @@ fn account(f: &Finger) -> [f64; ROWS.len()] {
 
 #[test]
 fn the_page_of_the_hammer_piano_holds() {
+    if !long_form("the page of the hammer piano") && std::env::var_os("UPDATE").is_none() {
+        return;
+    }
     let (want, worst) = page();
     println!("hammer piano: worst residual {worst:.2e} of the energy given");
     assert!(worst <= 1e-9, "the energy of the finger is not accounted for: {worst:e}");

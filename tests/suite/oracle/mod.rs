@@ -23,7 +23,7 @@ use ca_model::{Item, Model, Value};
 use ca_tests::gesture;
 use ca_tests::long_form::long_form;
 
-/// A second of a scene; in the core suite half of one, of large scenes less, but a twentieth beyond the first sound.
+/// A second of a scene; in the core suite a quarter of one, of large scenes less, but a twentieth beyond the first sound.
 fn ticks(scene: &Scene, long: bool) -> usize {
     let second = scene.rate as usize;
     if long {
@@ -36,7 +36,7 @@ fn ticks(scene: &Scene, long: bool) -> usize {
         s.output.iter().any(|v| *v != 0.0)
     };
     let first = (0..second).find(sounds).unwrap_or(second);
-    (second * 40 / scene.mats().max(1)).min(second / 2).max(first + second / 20).min(second)
+    (second * 20 / scene.mats().max(1)).min(second / 4).max(first + second / 20).min(second)
 }
 
 fn play(scene: &Scene, oracle: &mut Network, ticks: usize, mut each: impl FnMut(usize, &Network, &[f64], &State)) {

@@ -11,6 +11,8 @@ mod equiv;
 mod explain;
 mod files;
 mod fit;
+#[path = "../../../../tests/src/long_form.rs"]
+mod long_form;
 mod numbers;
 mod pages;
 mod pitch;

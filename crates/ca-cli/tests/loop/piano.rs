@@ -4,6 +4,7 @@
 //! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1`
 //! writes it anew.
 
+use crate::long_form::long_form;
 use crate::stage::Stage;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -202,6 +203,12 @@ fn same(a: &str, b: &str) -> bool {
 
 #[test]
 fn the_page_of_the_piano_played_by_a_device_holds() {
+    if !long_form("the hammer piano at all its speeds, and its page") && std::env::var_os("UPDATE").is_none() {
+        let one = play(SPEEDS[2]);
+        assert!(one.peak > SOFT && one.most()[0] > 0.0, "{} N, {}", one.most()[0], one.peak);
+        page(&[one]);
+        return;
+    }
     let all: Vec<Played> = SPEEDS.into_iter().map(play).collect();
     // the faster the louder, and the heavier in the hand
     let peaks: Vec<f64> = all.iter().map(|p| p.peak).collect();

@@ -3,6 +3,7 @@
 
 use crate::browser::Tab;
 use crate::host::{Host, until};
+use crate::long_form::long_form;
 use std::path::Path;
 
 /// Model, width, height, colours, seconds into its gesture.
@@ -17,8 +18,8 @@ const SHOWN: [(&str, u32, u32, &str, f64); 5] = [
 pub fn are_made() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let update = std::env::var_os("UPDATE").is_some();
-    // one wide and one narrow are enough to see that it can be done
-    let tried = |shown: &&(&str, u32, u32, &str, f64)| update || ["rattle", "plucked_string"].contains(&shown.0);
+    let all = long_form("all but one of the pictures of the page") || update;
+    let tried = |shown: &&(&str, u32, u32, &str, f64)| all || shown.0 == "plucked_string";
     for (model, width, height, colours, seconds) in SHOWN.iter().copied().filter(|s| tried(&s)) {
         let text = std::fs::read_to_string(root.join("models").join(format!("{model}.ca.toml"))).unwrap();
         let mut host = Host::play(&text, &["--seconds", "60"]);
