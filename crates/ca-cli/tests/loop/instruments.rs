@@ -77,7 +77,7 @@ fn played(i: &Instrument, most: usize) -> Option<String> {
     let seconds = i.stroke.seconds.to_string();
     let args = ["--profile", device, "--script", "file", "--gesture", "hand.csv", "--seconds", &seconds];
     let args = args.map(String::from);
-    let wrong = (0..4).find_map(|_| attempt(&stage, i, &args)).unwrap_or(vec!["no run without a hole".into()]);
+    let wrong = (0..8).find_map(|_| attempt(&stage, i, &args)).unwrap_or(vec!["no run without a hole".into()]);
     Some(if wrong.is_empty() { String::new() } else { format!("{}: {}", i.model, wrong.join("; ")) })
 }
 
