@@ -68,7 +68,7 @@ pub fn machine() -> String {
 /// The time in which this machine reads so many bytes and writes a quarter of them back \[ns\], with the widest vectors it
 /// has and next to nothing to compute: a tick that takes about as long for as many waits for memory, whatever it computes.
 pub fn streaming(bytes: usize) -> f64 {
-    let rows = [const { 0.5_f64 }; 3].map(|v| vec![v; bytes.div_ceil(32)]);
+    let rows: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.5; bytes.div_ceil(32)]);
     let mut to = rows[0].clone();
     let widest = pulp::Arch::new();
     Timing::default().fastest(
@@ -77,8 +77,13 @@ pub fn streaming(bytes: usize) -> f64 {
         |to| {
             let [a, b, c] = std::hint::black_box(&rows);
             widest.dispatch(
+                // a loop, since what an iterator is given as a closure is not made for the vectors chosen here
                 #[inline(always)]
-                || to.iter_mut().zip(a).zip(b).zip(c).for_each(|(((to, a), b), c)| *to = 0.25 * (*to + a + b + c)),
+                || {
+                    for (((to, a), b), c) in to.iter_mut().zip(a).zip(b).zip(c) {
+                        *to = 0.25 * (*to + a + b + c);
+                    }
+                },
             );
         },
     )
