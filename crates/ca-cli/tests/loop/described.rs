@@ -201,35 +201,3 @@ fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
     let server = stage.serve("presses.ca.toml", &["--seconds", "1"]).end();
     assert!(server.out.contains("key: off to the end") && !server.out.contains("armed, but"), "{}", server.out);
 }
-
-/// The commands of the README's section on devices, from the device to the take.
-fn section() -> Vec<String> {
-    let readme = include_str!("../../../../README.md");
-    let (_, rest) = readme.split_once("## Played by a device").expect("a section");
-    let block = rest.split("```sh\n").nth(1).unwrap().split("```").next().unwrap();
-    block.lines().map(str::to_owned).collect()
-}
-
-#[test]
-fn what_the_readme_plays_can_be_felt() {
-    let lines = section();
-    assert!(
-        lines[0].starts_with("ca device sim") && lines[0].contains("> strike.txt") && lines[1].starts_with("ca serve")
-    );
-    // a machine that stands still ends forces: then it is played again
-    let mut most = 0.0_f64;
-    for _ in 0..10 {
-        let stage = Stage::new();
-        // one shell, as at a terminal; the device ends by itself
-        let ran = stage.sh(&format!("{}\n{}\nwait", lines[0], lines[1]));
-        let said = stage.read("strike.txt");
-        let largest =
-            said.lines().find_map(|l| l.split_once("largest ")).unwrap_or_else(|| panic!("{said}{}", ran.err));
-        most = most.max(largest.1.split(' ').next().unwrap().parse().unwrap());
-        // more than a newton, says the README
-        if most > 1.0 {
-            return;
-        }
-    }
-    panic!("at most {most} N were felt");
-}

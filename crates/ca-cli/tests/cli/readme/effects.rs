@@ -82,7 +82,6 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         }
     };
     match line.verb() {
-        _ if line.beside => {}
         "check" if line.has("--device") => {
             says(&["stability", "passive", "result"]);
             let rows = ran.out.lines().skip_while(|l| !l.trim_end().ends_with("result")).skip(1);
@@ -160,22 +159,21 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     }
 }
 
-/// What a line that went on beside the others has done in the end.
-pub fn check_beside(desk: &Desk, line: &Line) {
+/// The largest force \[N\] that a device which went on beside the others has felt, once it has ended.
+pub fn felt(desk: &Desk, line: &Line) -> f64 {
     assert_eq!([line.verb(), line.about()], ["device", "sim"], "`{}`: nobody has said what it must do", line.text);
     let into = line.into.as_deref().expect("its words go to a file");
     let begin = Instant::now();
-    // its last words are what it felt
-    let felt = loop {
+    loop {
         let said = fs::read_to_string(desk.path(into)).unwrap();
+        // its last words
         let largest = said.split("largest ").nth(1).and_then(|s| s.split(' ').next()?.parse::<f64>().ok());
         if let Some(n) = largest {
-            break n;
+            return n;
         }
         assert!(begin.elapsed() < Duration::from_secs(60), "`{}` said\n{said}", line.text);
         std::thread::sleep(Duration::from_millis(50));
-    };
-    assert!(felt > 0.0, "`{}`: no force came", line.text);
+    }
 }
 
 /// The lowest frequency at which a model is heard \[Hz\].
