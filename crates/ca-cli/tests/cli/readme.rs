@@ -38,50 +38,66 @@ fn the_first_command_renders_and_the_second_tests() {
     assert!(script.lines().any(|l| l == "tests/setup"), "what tests need is set up by the one command");
 }
 
-/// Apart from all others, since a server of it plays in real time.
+/// The lines of `ca` in blocks with and without a server.
+#[cfg(unix)]
+fn lines(readme: &str, serve: bool) -> Vec<Line<'_>> {
+    let blocks = blocks(readme, "sh").into_iter().filter(|(_, b)| b.contains("ca serve") == serve);
+    blocks.flat_map(|(_, b)| b.lines()).filter_map(Line::new).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn every_ca_line_does_what_it_is_there_for() {
+    let readme = readme();
+    let desk = Desk::new();
+    let models = blocks(&readme, "toml");
+    assert_eq!(models.len(), 1, "one model, saved under one name");
+    for (before, model) in models {
+        // the last thing in backquotes before the model is its file
+        let name = before.rsplit('`').nth(1).unwrap();
+        assert!(name.ends_with(".ca.toml"), "{name}");
+        desk.put(name, model);
+    }
+    let mut lines = lines(&readme, false);
+    if !long_form("`ca bench` as the README has it") {
+        lines.retain(|l| l.verb() != "bench");
+    }
+    assert!(lines.len() >= 12, "only {} lines of `ca` were found", lines.len());
+    for line in &lines {
+        let before = effects::files(&desk);
+        let ran = desk.sh(line.text).is(0);
+        effects::check(&desk, line, &before, &ran);
+    }
+}
+
+/// Apart from all others, since a server plays in real time.
 #[cfg(unix)]
 mod in_real_time {
     use super::*;
     use crate::skipped::skipped;
 
     #[test]
-    fn every_ca_line_does_what_it_is_there_for() {
+    fn what_is_served_does_what_it_is_there_for() {
         let readme = readme();
         let desk = Desk::new();
-        let models = blocks(&readme, "toml");
-        assert_eq!(models.len(), 1, "one model, saved under one name");
-        for (before, model) in models {
-            // the last thing in backquotes before the model is its file
-            let name = before.rsplit('`').nth(1).unwrap();
-            assert!(name.ends_with(".ca.toml"), "{name}");
-            desk.put(name, model);
-        }
-        let mut lines: Vec<Line> = commands(&readme).into_iter().filter_map(Line::new).collect();
-        if !long_form("`ca bench` as the README has it") {
-            lines.retain(|l| l.verb() != "bench");
-        }
-        assert!(lines.len() >= 6, "only {} lines of `ca` were found", lines.len());
-        assert_eq!(lines.iter().filter(|l| l.verb() == "serve").count(), 1);
-        for (n, line) in lines.iter().enumerate() {
+        let lines = lines(&readme, true);
+        let [device, server, rest @ ..] = &lines[..] else { panic!("a device and a server") };
+        assert!(device.beside && server.verb() == "serve" && rest.len() >= 3);
+        play(&desk, server, device);
+        for line in rest {
             let before = effects::files(&desk);
-            if line.verb() == "serve" {
-                let device = lines[..n].last().filter(|l| l.beside).expect("a device is there first");
-                play(&desk, line, device, &before);
-            } else if !line.beside {
-                let ran = desk.sh(line.text).is(0);
-                effects::check(&desk, line, &before, &ran);
-            }
+            let ran = desk.sh(line.text).is(0);
+            effects::check(&desk, line, &before, &ran);
         }
     }
 
     /// Plays what somebody strikes, until it is felt as the README has it. On a machine that stands still watchdogs end
     /// forces, which is what they are for: then it is played again.
-    fn play(desk: &Desk, server: &Line, device: &Line, before: &effects::Files) {
+    fn play(desk: &Desk, server: &Line, device: &Line) {
         const TRIES: usize = 10;
         for _ in 0..TRIES {
-            // of the try before; the words of the device are written anew
-            let new = desk.files().into_iter().filter(|f| !before.contains_key(f));
-            new.for_each(|f| fs::remove_file(desk.path(&f)).unwrap());
+            // of the try before
+            desk.files().iter().for_each(|f| fs::remove_file(desk.path(f)).unwrap());
             desk.sh(device.text).is(0);
             let ran = desk.sh(server.text);
             // it waits for the server, or for longer, and ends by itself
@@ -90,7 +106,7 @@ mod in_real_time {
             let code = if stood_still && ran.code == 3 { 3 } else { 0 };
             let ran = ran.is(code);
             if felt > 1.0 {
-                return effects::check(desk, server, before, &ran);
+                return effects::check(desk, server, &effects::files(desk), &ran);
             }
             assert!(stood_still, "more than a newton, says the README, and {felt} N were felt\n{}{}", ran.out, ran.err);
         }
