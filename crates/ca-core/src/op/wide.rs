@@ -28,8 +28,20 @@ impl Vectors {
     /// What every processor has.
     pub const PORTABLE: Vectors = Vectors { plain: Arch::Scalar, widest: Arch::Scalar };
 
-    /// The widest of this processor; without the feature `std`, the widest this was compiled for.
+    /// The widest of this processor, or narrower ones where the environment has `CA_VECTORS=portable` or `avx2`, by which all tests
+    /// and benches can be run as on another processor. Without the feature `std`, the widest this was compiled for.
     pub fn detect() -> Vectors {
+        let own = Vectors::own();
+        #[cfg(feature = "std")]
+        match std::env::var("CA_VECTORS").as_deref() {
+            Ok("portable") => return Vectors::PORTABLE,
+            Ok("avx2") => return Vectors { widest: own.plain, ..own },
+            _ => {}
+        }
+        own
+    }
+
+    fn own() -> Vectors {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         let plain = pulp::x86::V3::try_new().map_or(Arch::Scalar, Arch::V3);
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
@@ -45,7 +57,7 @@ impl Vectors {
 
     /// All that this processor has, narrowest first: a scene plays the same bits with each.
     pub fn all() -> [Vectors; 3] {
-        let own = Vectors::detect();
+        let own = Vectors::own();
         [Vectors::PORTABLE, Vectors { widest: own.plain, ..own }, own]
     }
 }

@@ -63,12 +63,15 @@ pub struct Fits {
 pub struct Instrument {
     /// its name
     pub name: &'static str,
-    /// its size and time
-    pub size: Size,
-    /// how many of it play at once in real time, at its own rate \[Hz\]
-    pub at_once: usize,
-    /// that rate
-    pub rate: f64,
+    /// its size and time at each of [`RATES`]; none where it cannot be played at that rate
+    pub at: [Option<Size>; 2],
+}
+
+impl Instrument {
+    /// How many of it play at once in real time, at each of [`RATES`].
+    pub fn at_once(&self) -> [Option<usize>; 2] {
+        [0, 1].map(|k| self.at[k].map(|size| (1e9 / RATES[k] / size.ns) as usize))
+    }
 }
 
 /// The time of a tick in motion.
@@ -166,22 +169,28 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
     Ok(Fits { name: network.name, about: network.about, at })
 }
 
-/// A bundled instrument, played by its own gesture for a moment.
+/// A bundled instrument, played by its own gesture for a moment at each of [`RATES`].
 ///
 /// # Errors
-/// Where it does not compile: a defect.
+/// Where it cannot be played at any of them: a defect.
 pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure> {
     let loaded = crate::Loaded::read(text, name);
-    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
-    let mut p = Performance::new(&scene, None)?;
-    for _ in 0..(0.2 * scene.rate) as u64 {
-        p.tick();
+    let at = RATES.map(|rate| {
+        let options = Options { rate: Some(rate), ..Options::default() };
+        let scene = loaded.compile(&options).map_err(Failure::Found)?.scene;
+        let mut p = Performance::new(&scene, None)?;
+        for _ in 0..(0.2 * scene.rate) as u64 {
+            p.tick();
+        }
+        let begin = p.state.clone();
+        let mut state = begin.clone();
+        let ns = Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(&scene, s));
+        Ok(Size { modules: scene.symbols.len(), ns })
+    });
+    match at {
+        [Err(error), Err(_)] => Err(error),
+        [a, b] => Ok(Instrument { name, at: [a.ok(), b.ok()] }),
     }
-    let begin = p.state.clone();
-    let mut state = begin.clone();
-    let ns = Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(&scene, s));
-    let size = Size { modules: scene.symbols.len(), ns };
-    Ok(Instrument { name, size, at_once: (1e9 / scene.rate / ns) as usize, rate: scene.rate })
 }
 
 #[cfg(test)]
@@ -215,6 +224,29 @@ mod tests {
     fn a_string_is_measured_beside_what_it_stands_in() {
         let (size, bytes) = beside_streaming(1000).unwrap_or_else(|_| panic!("a string"));
         assert!((990..=1010).contains(&size.modules) && size.ns > 0.0 && bytes > 0.0);
+    }
+
+    /// A law across two worlds costs what it costs on a line and what an LPR adds: it has no network of its own.
+    #[test]
+    fn every_kind_of_link_is_measured() {
+        let texts: String = NETWORKS.iter().map(|n| (n.text)(32)).collect();
+        let catalog = crate::catalog();
+        let links = catalog.iter().filter(|k| k.params.iter().any(|p| p.name == "between"));
+        let of_one_world: Vec<_> = links.map(|k| k.code).filter(|code| !code.starts_with("LPR_")).collect();
+        assert!(of_one_world.len() >= 12, "{of_one_world:?}");
+        for code in of_one_world.iter().chain(&["MAS", "CEL", "WAVEGUIDE"]) {
+            assert!(texts.contains(&format!("[{code}]")), "no network has {code}");
+        }
+    }
+
+    #[test]
+    fn an_instrument_is_measured_at_both_rates() {
+        let found = instrument("piano_key", crate::load::bundled("piano_key").unwrap());
+        let Ok(found) = found else { panic!("it is played") };
+        let [Some(a), Some(b)] = found.at else { panic!("{found:?}") };
+        assert!(a.modules == b.modules && a.ns > 0.0 && b.ns > 0.0);
+        let twice = Instrument { name: "slow", at: [Some(Size { modules: 1, ns: 1e4 }), None] };
+        assert_eq!(twice.at_once(), [Some(2), None], "of 22.7 us");
     }
 
     #[test]

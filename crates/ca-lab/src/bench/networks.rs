@@ -26,7 +26,9 @@ pub const NETWORKS: &[Network] = &[
     Network { name: "mesh", about: "MAS on a grid, REF to four neighbours", text: mesh, most: MOST },
     Network { name: "random", about: "MAS, each with two REF to any other", text: random, most: MOST },
     Network { name: "RES", about: "MAS in a row, RES between them", text: |n| row(n, "RES", stiffness), most: MOST },
+    Network { name: "FRO", about: "CEL in a row, FRO between them", text: |n| row(n, "FRO", viscosity), most: MOST },
     Network { name: "CUB", about: "CEL in a row, CUB between them", text: |n| row(n, "CUB", cubic), most: MOST },
+    Network { name: "POW", about: "CEL in a row, POW between them", text: |n| row(n, "POW", power), most: MOST },
     Network { name: "LNL", about: "CEL in a row, LNL between them", text: |n| row(n, "LNL", table), most: MOST },
     Network {
         name: "BUT",
@@ -40,6 +42,13 @@ pub const NETWORKS: &[Network] = &[
         text: |n| row(n, "HRZ", hertz),
         most: MOST,
     },
+    Network {
+        name: "PLK",
+        about: "CEL in a row, PLK between them, that let go and engage",
+        text: |n| row(n, "PLK", pluck),
+        most: MOST,
+    },
+    Network { name: "ATT", about: "CEL in a row, ATT between them", text: |n| row(n, "ATT", attractor), most: MOST },
     Network { name: "BOW", about: "CEL in a row, BOW between them", text: |n| row(n, "BOW", bow), most: MOST },
     Network { name: "cloth", about: "MAS on a grid in space, REF to four neighbours", text: cloth, most: MOST },
     Network {
@@ -49,6 +58,25 @@ pub const NETWORKS: &[Network] = &[
         most: MOST,
     },
     Network { name: "LPR", about: "springs in space, each onto a CEL of its own", text: lpr, most: MOST },
+    Network { name: "grains", about: "GRAINS in a bowl, BUT between those that are near", text: grains, most: MOST },
+    Network {
+        name: "waveguide",
+        about: "WAVEGUIDE, each heard, and a CEL on it by a REF",
+        text: waveguides,
+        most: MOST,
+    },
+    Network {
+        name: "implicit",
+        about: "the string by `method = \"implicit\"`",
+        text: |n| format!("[model]\nmethod = \"implicit\"\n{}", row(n, "REF", spring)),
+        most: MOST,
+    },
+    Network {
+        name: "stable",
+        about: "CEL in a row, BUT by `method = \"stable\"` between them, half of them closed",
+        text: |n| row(n, "BUT", |r| contact(r) + ", method = \"stable\""),
+        most: MOST,
+    },
 ];
 
 /// Numbers in 0 … 1, the same on every machine: Knuth's linear congruence.
@@ -78,6 +106,18 @@ fn stiffness(r: &mut Numbers) -> String {
 }
 fn cubic(r: &mut Numbers) -> String {
     format!("k = {:.0}, k3 = {:.0}, z = {:.5}", r.near(1e4), r.near(1e8), r.near(1e-3))
+}
+fn viscosity(r: &mut Numbers) -> String {
+    format!("z = {:.5}", r.near(1e-2))
+}
+fn power(r: &mut Numbers) -> String {
+    format!("k = {:.0}, q = \"{:.0} N/m^2\", p = 2, z = {:.5}", r.near(1e4), r.near(1e7), r.near(1e-3))
+}
+fn pluck(r: &mut Numbers) -> String {
+    format!("k = {:.0}, z = {:.5}, d = {:.7}", r.near(1e4), r.near(1e-3), r.near(3e-5))
+}
+fn attractor(r: &mut Numbers) -> String {
+    format!("k = {:.0}, z = {:.5}, d = {:.7}", r.near(1e4), r.near(1e-4), r.near(3e-5))
 }
 fn table(r: &mut Numbers) -> String {
     let k = r.near(1e4);
@@ -242,4 +282,39 @@ fn lpr(n: usize) -> String {
         );
     }
     t
+}
+
+/// Cells that shake a waveguide each.
+fn waveguides(n: usize) -> String {
+    let (mut r, n) = (Numbers(9), (n / 2).max(1));
+    let mut t = String::from("[CEL]\n");
+    for i in 0..n {
+        let _ = writeln!(t, "m{i} = {{ m = {:.7}, f = {:.2}, t60 = 1, dx0 = 1e-4 }}", r.near(1e-3), r.near(800.0));
+    }
+    t += "[WAVEGUIDE]\n";
+    for i in 0..n {
+        let f = r.near(220.0);
+        let _ = writeln!(t, "w{i} = {{ f = {f:.2}, t60 = {:.3}, z = {:.4}, at = 0.3 }}", r.near(2.0), r.near(0.5));
+    }
+    t += "[REF]\n";
+    for i in 0..n {
+        let _ = writeln!(t, "l{i} = {{ between = [\"m{i}\", \"w{i}[0]\"], {} }}", spring(&mut r));
+    }
+    t += "[SOX]\n";
+    for i in 0..n {
+        let _ = writeln!(t, "o{i} = {{ from = \"w{i}[0]\", channel = 0 }}");
+    }
+    t
+}
+
+/// Loose masses in a sphere that they fill to a few per cent, however many there are.
+fn grains(n: usize) -> String {
+    let side = (n as f64).cbrt();
+    format!(
+        "[air]\ndim = 3\ngravity = \"9.81 m/s^2\"\n[air.GRAINS]\nhail = {{ n = {n}, m = \"0.1 g\", gap = \"8 mm\", v = [0.3, 0.1, 0] }}\n\
+         [air.SOL]\ncentre = {{}}\n[BUT]\nbowl = {{ between = [\"air.centre\", \"air.hail[*]\"], k = 2000, z = 0.02, d = {:.4}, sense = \"inside\" }}\n\
+         apart = {{ between = [\"air.hail[*]\", \"air.hail[*]\"], pairs = \"all\", k = 2000, z = 0.02, d = \"5 mm\" }}\n\
+         [SOX]\nout = {{ from = \"air.hail[0]\", along = \"z\" }}\n",
+        0.008 * side + 0.01
+    )
 }

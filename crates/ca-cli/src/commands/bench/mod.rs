@@ -92,6 +92,19 @@ fn row(f: &Fits) -> [String; 4] {
     [f.name.into(), a.modules.to_string(), b.modules.to_string(), term::short(a.ns / a.modules.max(1) as f64)]
 }
 
+/// As cells: name, modules, how many at once at each rate, time of a sample at the lowest rate that it plays at.
+fn instrument(i: &Instrument) -> [String; 5] {
+    let size = i.at.iter().flatten().next();
+    let [a, b] = i.at_once().map(|n| n.map_or_else(|| "–".into(), |n| n.to_string()));
+    [
+        i.name.into(),
+        size.map_or_else(String::new, |s| s.modules.to_string()),
+        a,
+        b,
+        size.map_or_else(String::new, |s| term::short(s.ns)),
+    ]
+}
+
 fn text(m: &Measured) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let [a, b] = RATES.map(|r| format!("{} kHz", r / 1e3));
@@ -106,10 +119,12 @@ fn text(m: &Measured) -> Result<(), Failure> {
         writeln!(out, "  {modules:>10}   {engine}")?;
     }
     if !m.instruments.is_empty() {
-        writeln!(out, "\n  {:<20} {:>8} {:>12} {:>10}", "instrument", "modules", "ns/sample", "at once")?;
+        writeln!(out, "\nInstruments at once in real time:\n")?;
+        writeln!(out, "  {:<20} {:>8} {a:>10} {b:>10} {:>12}", "instrument", "modules", "ns/sample")?;
     }
     for i in &m.instruments {
-        writeln!(out, "  {:<20} {:>8} {:>12} {:>10}", i.name, i.size.modules, term::short(i.size.ns), i.at_once)?;
+        let [name, modules, a, b, ns] = instrument(i);
+        writeln!(out, "  {name:<20} {modules:>8} {a:>10} {b:>10} {ns:>12}")?;
     }
     if !m.curve.is_empty() {
         writeln!(
@@ -137,7 +152,12 @@ fn value(m: &Measured) -> Json {
         json!({"network": f.name, "about": f.about, "in_real_time": at})
     });
     let instruments = m.instruments.iter().map(|i| {
-        json!({"instrument": i.name, "rate": i.rate, "modules": i.size.modules, "ns_per_sample": i.size.ns, "at_once": i.at_once})
+        let all = i.at.iter().zip(RATES).zip(i.at_once());
+        let at: Vec<Json> = all
+            .filter_map(|((s, rate), n)| s.as_ref().map(|s| (s, rate, n)))
+            .map(|(s, rate, n)| json!({"rate": rate, "modules": s.modules, "ns_per_sample": s.ns, "at_once": n}))
+            .collect();
+        json!({"instrument": i.name, "in_real_time": at})
     });
     let caches = ca_lab::timing::caches().into_iter().map(|(name, bytes)| json!({"name": name, "bytes": bytes}));
     json!({

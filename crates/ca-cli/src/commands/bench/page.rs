@@ -1,6 +1,6 @@
 //! The page of a bench: the tables, and the curve of cost against size.
 
-use super::{Measured, Size, row};
+use super::{Measured, Size, instrument, row};
 use ca_lab::bench::{BYTES, PAPER, RATES};
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
@@ -24,12 +24,9 @@ pub(super) fn page(m: &Measured) -> Report {
         report.sections.push(Section::new("Networks", blocks));
     }
     if !m.instruments.is_empty() {
-        let rows = m.instruments.iter().map(|i| {
-            let ns = crate::term::short(i.size.ns);
-            vec![i.name.into(), i.size.modules.to_string(), ns, i.at_once.to_string()]
-        });
-        let table = Table::new(&["instrument", "modules", "ns/sample", "at once in real time"], rows.collect());
-        report.sections.push(Section::new("Instruments", vec![Block::Table(table)]));
+        let rows = m.instruments.iter().map(|i| instrument(i).to_vec());
+        let table = Table::new(&["instrument", "modules", &a, &b, "ns/sample"], rows.collect());
+        report.sections.push(Section::new("Instruments at once in real time", vec![Block::Table(table)]));
     }
     if !m.curve.is_empty() {
         let words = format!(
