@@ -2,8 +2,8 @@
 //!
 //! `cargo bench -p ca-benches --bench peers -- [--only NAME] [--rounds N] [--limit SECONDS] [--json]`. Makes the networks,
 //! compiles the peers into `target/peers`, fails where one plays something else, then times all of them in turn. Prints
-//! the page, or JSON; with `UPDATE=1` and all networks writes it to `docs/measured/peers.md`, or `peers-avx2.md` where there is no AVX-512. That a target is missed is
-//! reported and no failure: times are of the machine.
+//! the page, or JSON; with `UPDATE=1` and all networks writes it to `docs/measured/peers.md`, or `peers-avx2.md` where there is no AVX-512; a page of
+//! another machine (`peers-xeon.md`) is one that was moved by hand. That a target is missed is reported and no failure: times are of the machine.
 #![allow(missing_docs)]
 
 use ca_benches::peers::build::{Builder, Without, folder, numba, version};

@@ -8,9 +8,12 @@ use ca_benches::peers::page::{HEAD, PEERS, Row, SHORT};
 use ca_benches::peers::player::{BLOCK, Engine, Peer, Player, apart};
 use ca_benches::peers::{Case, cases, write};
 
-/// Of a machine with AVX-512, and of one without.
-const PAGES: [&str; 2] =
-    [include_str!("../../docs/measured/peers.md"), include_str!("../../docs/measured/peers-avx2.md")];
+/// Of two machines with AVX-512, and of one without.
+const PAGES: [&str; 3] = [
+    include_str!("../../docs/measured/peers.md"),
+    include_str!("../../docs/measured/peers-xeon.md"),
+    include_str!("../../docs/measured/peers-avx2.md"),
+];
 
 #[test]
 fn flat_c_plays_what_the_engine_plays() {
@@ -65,7 +68,7 @@ fn faust_has_every_module() {
 
 #[test]
 fn the_pages_have_the_rows_the_bench_makes() {
-    assert_eq!(PAGES.map(|page| page.contains("avx512f")), [true, false]);
+    assert_eq!(PAGES.map(|page| page.contains("avx512f")), [true, true, false]);
     PAGES.into_iter().for_each(has_the_rows);
 }
 
