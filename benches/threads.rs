@@ -20,7 +20,7 @@ const HEAD: &str = "# Two threads for one scene
 Made by `UPDATE=1 cargo bench -p ca-benches --bench threads`: do not edit.
 
 A mesh that a mass strikes, cut in two as `ca render --threads 2` cuts it: what one thread and what two take for a tick, on
-the wall. Both play in turns, and the round with the middle ratio counts. The sound is the same to the bit. *Share* is the larger half's part of the predicted work, *across* how many links join the halves.
+the wall. Both play in turns, and the round with the middle ratio counts. The sound is the same to rounding (link by link, `--kernel reference`, to the bit). *Share* is the larger half's part of the predicted work, *across* how many links join the halves.
 In every tick each half waits for the other, so what a second thread brings is that of a core which has nothing else to do: two
 processors that are two threads of one core, or that others use too, bring less than two cores of one's own.
 ";

@@ -16,7 +16,7 @@ mod watch;
 
 use args::{Cli, Command};
 use clap::FromArgMatches as _;
-use outcome::{Ended, Failure};
+use outcome::{Ended, Failure, Outcome};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -31,7 +31,34 @@ fn main() -> ExitCode {
             return ExitCode::from(if e.use_stderr() { 2 } else { 0 });
         }
     };
-    let outcome = match &cli.command {
+    match vectors().and_then(|()| run(&cli.command)) {
+        Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
+        Ok(Ended::Degraded) => ExitCode::from(3),
+        Err(Failure::Reported) => ExitCode::from(1),
+        Err(Failure::Interrupted) => ExitCode::from(130),
+        Err(Failure::Failed(what)) => {
+            term::error(&what);
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(what)) => {
+            term::error(&what);
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Refuses what `CA_VECTORS` may not be, since whoever misspells it would compare a processor with itself.
+fn vectors() -> Result<(), Failure> {
+    match std::env::var_os("CA_VECTORS") {
+        Some(asked) if asked != "portable" && asked != "avx2" => {
+            Err(Failure::Usage(format!("CA_VECTORS: `{}` is neither `portable` nor `avx2`", asked.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn run(command: &Command) -> Outcome {
+    match command {
         Command::Render(a) => commands::render::run(a),
         Command::Check(a) => commands::check::run(a),
         Command::Modes(a) => commands::modes::run(a),
@@ -57,19 +84,5 @@ fn main() -> ExitCode {
         Command::Log(a) => commands::log::run(a),
         Command::Device(a) => commands::device::run(a),
         Command::Shm(a) => commands::shm::run(a),
-    };
-    match outcome {
-        Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
-        Ok(Ended::Degraded) => ExitCode::from(3),
-        Err(Failure::Reported) => ExitCode::from(1),
-        Err(Failure::Interrupted) => ExitCode::from(130),
-        Err(Failure::Failed(what)) => {
-            term::error(&what);
-            ExitCode::from(1)
-        }
-        Err(Failure::Usage(what)) => {
-            term::error(&what);
-            ExitCode::from(2)
-        }
     }
 }

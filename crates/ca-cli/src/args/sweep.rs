@@ -20,12 +20,12 @@ use std::path::PathBuf;
   audio = \"flac\"            # or \"wav\", \"none\"
 
   [set]
-  \"left.gain\" = 500
-  \"right.gain\" = 500
+  \"left.gain\" = 0.5
+  \"right.gain\" = 0.5
 
   [vary]
-  \"pluck.d\" = { from = \"0.2 mm\", to = \"0.5 mm\" }
-  \"pluck.k\" = { from = \"1 kN/m\", to = \"9 kN/m\", log = true }
+  \"pick.z\" = { from = \"20 mN s/m\", to = \"0.1 N s/m\" }
+  \"pick.k\" = { from = \"1 kN/m\", to = \"9 kN/m\", log = true }
   \"low.f\" = [\"110 Hz\", \"146.83 Hz\", \"220 Hz\"]
 
 It may also have `rate`, `gesture` (files, as of `ca render`), `gesture_rate`, `energy = true`

@@ -42,3 +42,17 @@ fn a_name_that_is_misspelt_gets_an_answer() {
     desk.ca(&["bench", "--only", "strnig"]).is(2).says(&["did you mean `string`?"]);
     desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network is called `zzzzzz`", "string, cells, mesh"]);
 }
+
+/// Whoever misspells it would compare a processor with itself.
+#[test]
+fn vectors_that_there_are_not_are_refused() {
+    let desk = Desk::new();
+    let ran = desk.with(&[("CA_VECTORS", "AVX2")], &["list"]).is(2).says(&["neither `portable` nor `avx2`"]);
+    assert_eq!(ran.out, "");
+    let sounds = ["portable", "avx2"].map(|vectors| {
+        desk.with(&[("CA_VECTORS", vectors)], &["render", "plate", "--seconds", "0.2", "-o", "a.wav"]).is(0);
+        fs::read(desk.path("a.wav")).unwrap()
+    });
+    desk.ca(&["render", "plate", "--seconds", "0.2", "-o", "b.wav"]).is(0);
+    assert!(sounds.iter().all(|s| *s == fs::read(desk.path("b.wav")).unwrap()), "the same bits");
+}

@@ -45,7 +45,12 @@ impl Desk {
         c.args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
     pub fn ca(&self, args: &[&str]) -> Ran {
-        let o = self.command(env!("CARGO_BIN_EXE_ca")).args(args).output().unwrap();
+        self.with(&[], args)
+    }
+    /// The built command with more in its environment.
+    pub fn with(&self, environment: &[(&str, &str)], args: &[&str]) -> Ran {
+        let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
+        let o = c.args(args).envs(environment.iter().copied()).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }

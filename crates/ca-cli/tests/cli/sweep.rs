@@ -12,6 +12,14 @@ pub fn plan() -> String {
     blocks(&page, "toml")[0].1.to_owned()
 }
 
+#[test]
+fn the_plan_of_the_help_is_a_plan() {
+    let desk = Desk::new();
+    let help = desk.ca(&["sweep", "--help"]).is(0).out;
+    let plan = help.split_once("A plan:\n").unwrap().1.split("It may also have").next().unwrap();
+    desk.put("help.sweep.toml", plan).ca(&["sweep", "help.sweep.toml", "--dry-run"]).is(0).says(&["200"]);
+}
+
 /// A quick one.
 const SMALL: &str = r#"
 model = "struck.ca.toml"

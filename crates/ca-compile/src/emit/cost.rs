@@ -81,7 +81,7 @@ const TESTED: f64 = 0.2;
 /// Laws that are no sum of products: what their force takes beside its coefficients, looked up one by one and in a row.
 /// A contact that is apart is done before its coefficients are read, so that it takes less.
 const LAWS: [(&str, f64, f64); 12] = [
-    ("ATT", 0.0, 0.0),
+    ("ATT", 0.0, 2.0),
     ("BOW coulomb", 0.0, 0.0),
     ("BOW piecewise", -11.0, -11.0),
     ("BOW smooth", 56.0, 99.0),
@@ -91,12 +91,16 @@ const LAWS: [(&str, f64, f64); 12] = [
     ("HRZ", -4.0, 25.0),
     ("LNL friction", 124.0, 124.0),
     ("LNL spring", 100.0, 99.0),
-    ("PLK", 41.0, 41.0),
-    ("POW", 25.0, 25.0),
+    ("PLK", 37.0, 37.0),
+    ("POW", 33.0, 33.0),
 ];
 
 /// Contacts by the method `stable`, each by itself, as they press.
 const STABLE: [(&str, Price); 2] = [("BUT stable", Price::of(80.0, 250.0)), ("HRZ stable", Price::of(95.0, 800.0))];
+
+/// The factor of links by implicit methods: for each of its masses, and for each number beside its diagonal.
+const IMPLICIT: Price = Price::of(119.0, 88.0);
+const BESIDE: f64 = 24.0;
 
 /// Passes that are not links, by their names.
 const PASSES: [(&str, Price); 18] = [
@@ -183,6 +187,10 @@ pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
     if op.name == BETWEEN {
         return Some(op.n as f64 * passes(scene, |op| op.name != BETWEEN));
     }
+    if let ("implicit", Some(links)) = (op.name, &scene.layout.implicit) {
+        let beside = links.pattern.numbers() - links.pattern.size();
+        return Some(IMPLICIT.at(op.n, 0) + BESIDE * beside as f64);
+    }
     let is = |kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
     let price = match op.name {
         "integrate MAS" if op.n >= LONG => INTEGRATE_LONG,
@@ -215,7 +223,7 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
     }
     let (one_by_one, in_a_row) = match LAWS.iter().find(|l| l.0 == code) {
         Some(l) => (l.1, l.2),
-        None if law.linear && !law.implicit => (0.0, 0.0),
+        None if law.linear => (0.0, 0.0),
         None => return None,
     };
     if let Some(set) = op.ports.pair_set {

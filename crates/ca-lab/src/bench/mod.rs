@@ -26,9 +26,9 @@ pub const RATES: [f64; 2] = [44_100.0, 48_000.0];
 /// Sizes of the curve of cost against size, in modules.
 pub const SIZES: [usize; 13] =
     [100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000];
-/// Bytes of a string that a tick reads, for each module: x, d, f and the three numbers a MAT moves by, k and z of a LIA. x and d,
-/// a quarter of them, are written back.
-pub const BYTES: usize = 8 * (6 + 2) / 2;
+/// Bytes of a string that a tick reads, for each module: x, d and the number a MAT moves by, k and z of a LIA. x and d, two
+/// fifths of them, are written back.
+pub const BYTES: usize = 8 * (3 + 2) / 2;
 /// The smallest network that is measured, in masses.
 const SMALLEST: usize = 32;
 /// Sizes that are tried at each rate.
@@ -175,7 +175,7 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
 /// Where it cannot be played at any of them: a defect.
 pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure> {
     let loaded = crate::Loaded::read(text, name);
-    let at = RATES.map(|rate| {
+    let at = |rate: f64| {
         let options = Options { rate: Some(rate), ..Options::default() };
         let scene = loaded.compile(&options).map_err(Failure::Found)?.scene;
         let mut p = Performance::new(&scene, None)?;
@@ -186,11 +186,21 @@ pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure>
         let mut state = begin.clone();
         let ns = Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(&scene, s));
         Ok(Size { modules: scene.symbols.len(), ns })
-    });
-    match at {
-        [Err(error), Err(_)] => Err(error),
-        [a, b] => Ok(Instrument { name, at: [a.ok(), b.ok()] }),
+    };
+    let mut found = match RATES.map(at) {
+        [Err(error), Err(_)] => return Err(error),
+        [a, b] => Instrument { name, at: [a.ok(), b.ok()] },
+    };
+    for _ in 1..AGAIN {
+        // fewer where there is more time: something else ran meanwhile
+        let ([Some(low), Some(high)], [Some(slow), Some(_)]) = (found.at_once(), found.at) else { break };
+        if low >= high {
+            break;
+        }
+        let again = at(RATES[0])?;
+        found.at[0] = Some(Size { ns: slow.ns.min(again.ns), ..slow });
     }
+    Ok(found)
 }
 
 #[cfg(test)]

@@ -58,9 +58,9 @@ pub const NETWORKS: &[Network] = &[
         most: MOST,
     },
     Network { name: "LPR", about: "springs in space, each onto a CEL of its own", text: lpr, most: MOST },
-    Network { name: "grains", about: "GRAINS in a bowl, BUT between those that are near", text: grains, most: MOST },
+    Network { name: "GRAINS", about: "GRAINS in a bowl, BUT between those that are near", text: grains, most: MOST },
     Network {
-        name: "waveguide",
+        name: "WAVEGUIDE",
         about: "WAVEGUIDE, each heard, and a CEL on it by a REF",
         text: waveguides,
         most: MOST,

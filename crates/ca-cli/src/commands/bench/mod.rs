@@ -105,6 +105,13 @@ fn instrument(i: &Instrument) -> [String; 5] {
     ]
 }
 
+/// What is said of instruments that do not play at one of the rates.
+fn without(m: &Measured) -> Option<String> {
+    let [a, _] = RATES.map(|r| format!("{} kHz", r / 1e3));
+    let missing = m.instruments.iter().find(|i| i.at.iter().any(Option::is_none))?;
+    Some(format!("– cannot be played at that rate: `ca render {} --rate '{a}'` says why", missing.name))
+}
+
 fn text(m: &Measured) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let [a, b] = RATES.map(|r| format!("{} kHz", r / 1e3));
@@ -125,6 +132,9 @@ fn text(m: &Measured) -> Result<(), Failure> {
     for i in &m.instruments {
         let [name, modules, a, b, ns] = instrument(i);
         writeln!(out, "  {name:<20} {modules:>8} {a:>10} {b:>10} {ns:>12}")?;
+    }
+    if let Some(why) = without(m) {
+        writeln!(out, "\n  {why}")?;
     }
     if !m.curve.is_empty() {
         writeln!(

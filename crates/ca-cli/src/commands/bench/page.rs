@@ -1,6 +1,6 @@
 //! The page of a bench: the tables, and the curve of cost against size.
 
-use super::{Measured, Size, instrument, row};
+use super::{Measured, Size, instrument, row, without};
 use ca_lab::bench::{BYTES, PAPER, RATES};
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
@@ -26,11 +26,13 @@ pub(super) fn page(m: &Measured) -> Report {
     if !m.instruments.is_empty() {
         let rows = m.instruments.iter().map(|i| instrument(i).to_vec());
         let table = Table::new(&["instrument", "modules", &a, &b, "ns/sample"], rows.collect());
-        report.sections.push(Section::new("Instruments at once in real time", vec![Block::Table(table)]));
+        let mut blocks = vec![Block::Table(table)];
+        blocks.extend(without(m).map(Block::Text));
+        report.sections.push(Section::new("Instruments at once in real time", blocks));
     }
     if !m.curve.is_empty() {
         let words = format!(
-            "A tick of a string reads {BYTES} bytes for each module and writes a quarter of them back. The other curve is the \
+            "A tick of a string reads {BYTES} bytes for each module and writes two fifths of them back. The other curve is the \
              time in which this machine does that and computes next to nothing: where a tick takes about as long, memory is \
              its limit. Marks are sizes at which all of them just fit into a cache."
         );

@@ -196,7 +196,7 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     writeln!(
         out,
         "  predicted {:.1} ns{without}: {:.0} instructions of AVX2\n  by a table of costs, {:.4} ns each, measured here on \
-         links that are looked up one by one",
+         links that are looked up one by one; what waits for memory, in large scenes, is not in it",
         m.instructions * m.ns_per_instruction,
         m.instructions,
         m.ns_per_instruction
