@@ -44,8 +44,8 @@ const MODELS: &[&str] = &[
 /// Grains that may all touch, and the part of their shell that they fill.
 const GRAINS: [(&str, f64); 2] = [("grains", 0.1), ("packed grains", 0.35)];
 
-/// By how many percent a prediction may be off: of a network, which is of one kind of links, and of a model, whose contacts
-/// press now and then.
+/// By how many percent a prediction may be off: of a network, which is of one kind of links, and of a model and of
+/// grains, whose contacts press now and then.
 const WITHIN: [u32; 2] = [10, 35];
 
 /// What is counted, by its name.
@@ -60,8 +60,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // to make the table anew: each pass by itself, of networks of many sizes
     let by_pass = std::env::args().nth(1).is_some_and(|asked| asked == "passes");
     let sizes = if by_pass { &passes::SIZES[..] } else { &[MASSES] };
-    let networks =
-        sizes.iter().flat_map(|n| networks::NETWORKS.iter().map(|net| (net.name, Ok((net.text)(*n)), WITHIN[0])));
+    let within = |name| WITHIN[usize::from(name == "GRAINS")];
+    let networks = sizes
+        .iter()
+        .flat_map(|n| networks::NETWORKS.iter().map(|net| (net.name, Ok((net.text)(*n)), within(net.name))));
     let grains =
         sizes.iter().flat_map(|n| GRAINS.map(|(name, fill)| (name, Ok(grains::grains(*n, fill, 1e-3)), WITHIN[1])));
     let path = |name: &str| format!("{}/../../models/{name}.ca.toml", env!("CARGO_MANIFEST_DIR"));

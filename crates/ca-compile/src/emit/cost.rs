@@ -99,8 +99,8 @@ const LAWS: [(&str, f64, f64); 12] = [
 const STABLE: [(&str, Price); 2] = [("BUT stable", Price::of(80.0, 250.0)), ("HRZ stable", Price::of(95.0, 800.0))];
 
 /// The factor of links by implicit methods: for each of its masses, and for each number beside its diagonal.
-const IMPLICIT: Price = Price::of(119.0, 88.0);
-const BESIDE: f64 = 24.0;
+const IMPLICIT: Price = Price::of(145.0, 86.0);
+const BESIDE: f64 = 26.0;
 
 /// Passes that are not links, by their names.
 const PASSES: [(&str, Price); 18] = [
