@@ -107,9 +107,9 @@ fn instrument(i: &Instrument) -> [String; 5] {
 
 /// What is said of instruments that do not play at one of the rates.
 fn without(m: &Measured) -> Option<String> {
-    let [a, _] = RATES.map(|r| format!("{} kHz", r / 1e3));
-    let missing = m.instruments.iter().find(|i| i.at.iter().any(Option::is_none))?;
-    Some(format!("– cannot be played at that rate: `ca render {} --rate '{a}'` says why", missing.name))
+    let missing = |i: &Instrument| Some((i.name, RATES[i.at.iter().position(Option::is_none)?] / 1e3));
+    let (name, rate) = m.instruments.iter().find_map(missing)?;
+    Some(format!("– cannot be played at that rate: `ca render {name} --rate '{rate} kHz'` says why"))
 }
 
 fn text(m: &Measured) -> Result<(), Failure> {
