@@ -1,6 +1,7 @@
 //! The whole suite in one binary, one file per theme.
 
 mod accuracy;
+mod any_order;
 mod atlas;
 mod begin;
 mod beside;

@@ -2,6 +2,7 @@
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
+use crate::emit::rows::space::{POINT, SHORTEST as SHORTEST_IN_SPACE};
 use crate::options::KernelClass;
 use alloc::vec::Vec;
 use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
@@ -56,12 +57,20 @@ impl Plan<'_> {
         let mut out = Vec::new();
         for group in by_law {
             let at = shape(group[0]);
-            if at.measure != MeasureKind::Line || at.onto.is_some() || laws[group[0] as usize].is_staged() {
+            let plain = at.onto.is_none() && at.set.is_none() && !laws[group[0] as usize].is_staged();
+            let group = match at.measure {
+                MeasureKind::Line if plain => self.sorted(group, SHORTEST_RUN, 1),
+                MeasureKind::Radial if plain && laws[group[0] as usize].linear => {
+                    self.sorted(group, SHORTEST_IN_SPACE, POINT)
+                }
+                _ => group,
+            };
+            if at.measure != MeasureKind::Line || !plain {
                 out.push((group, 0));
                 continue;
             }
             let mut loose = Vec::new();
-            for row in group.chunk_by(|a, b| self.follows(*a, *b)) {
+            for row in group.chunk_by(|a, b| self.follows(*a, *b, 1)) {
                 if let Some(stride) = self.stride(row) {
                     out.push((row.to_vec(), stride));
                 } else {
@@ -91,7 +100,7 @@ impl Plan<'_> {
                 && l.measure.measure() == MeasureKind::Line
                 && l.onto.is_none()
         };
-        for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b)) {
+        for row in ids.chunk_by(|a, b| fits(*a) && fits(*b) && self.follows(*a, *b, 1)) {
             if fits(row[0]) && self.stride(row).is_some() && row.iter().any(|l| laws[*l as usize].implicit) {
                 for l in row {
                     laws[*l as usize] = &implicit::LAW;
@@ -101,10 +110,10 @@ impl Plan<'_> {
         laws
     }
 
-    /// True where link `b` stands behind `a` in a row.
-    pub fn follows(&self, a: u32, b: u32) -> bool {
+    /// True where link `b` stands behind `a` in a row, whose ends are `step` slots further.
+    pub fn follows(&self, a: u32, b: u32, step: u32) -> bool {
         let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
-        a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(1)
+        a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(step)
     }
 
     /// The stride of a row that is worth a run.

@@ -42,7 +42,7 @@ impl Plan<'_> {
             stride(a) == stride(b) && (next..=next + GAP).contains(&first(b)[0])
         };
         let (mut rows, mut loose, mut passed) = (Vec::new(), Vec::new(), BTreeSet::new());
-        let short: Vec<&[u32]> = links.chunk_by(|a, b| self.follows(*a, *b)).collect();
+        let short: Vec<&[u32]> = links.chunk_by(|a, b| self.follows(*a, *b, 1)).collect();
         for chain in short.chunk_by(behind) {
             let each = || chain.iter().copied().flatten().copied();
             let n = each().count();

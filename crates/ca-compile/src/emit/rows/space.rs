@@ -8,10 +8,10 @@ use ca_core::numeric::Real;
 use ca_core::op::{MeasureKind, Op};
 
 /// Shorter rows are looked up as others are.
-const SHORTEST: i32 = 4;
+pub const SHORTEST: usize = 4;
 
 /// Places of a point.
-const POINT: u32 = 3;
+pub const POINT: u32 = 3;
 
 /// See [`Layout::rows`](ca_core::op::layout::Layout::rows), for the links of `forces`.
 pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[Real; 4]], rest: &[Real]) -> Vec<i32> {
@@ -29,9 +29,9 @@ pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[Real; 4]], rest: &[Real]
         let mut first = 0;
         while first < op.n {
             let next = (first + 1..op.n).find(|i| !follows(*i)).unwrap_or(op.n);
-            let links = (next - first) as i32;
+            let links = next - first;
             for (k, row) in rows[at + first..at + next].iter_mut().enumerate() {
-                *row = if links < SHORTEST { -1 } else { links - k as i32 };
+                *row = if links < SHORTEST { -1 } else { (links - k) as i32 };
             }
             first = next;
         }

@@ -1,0 +1,110 @@
+//! Meshes whose links are written in another order than along their rows and then across them: the same passes, and the same
+//! bits as where they are.
+
+use crate::play::{reference, scene, with};
+use ca_core::op::{Band, Vectors};
+use ca_core::{Scene, tick};
+use proptest::prelude::*;
+use std::fmt::Write as _;
+
+/// The links of a grid of `nx` × `ny` nodes, those along its rows first.
+fn along_first(nx: usize, ny: usize) -> Vec<[usize; 2]> {
+    let along = (0..nx * ny).filter(|i| (i + 1) % nx > 0).map(|i| [i, i + 1]);
+    along.chain((0..nx * (ny - 1)).map(|i| [i, i + nx])).collect()
+}
+
+/// The same links in the order somebody wrote them: node by node, row by row, column by column, across first.
+fn written(nx: usize, ny: usize) -> Vec<Vec<[usize; 2]>> {
+    let mut orders = vec![along_first(nx, ny); 4];
+    orders[0].sort_by_key(|[a, b]| (*a, b - a));
+    orders[1].sort_by_key(|[a, b]| (a / nx, b - a, *a));
+    orders[2].sort_by_key(|[a, b]| (a % nx, a / nx, b - a));
+    orders[3].sort_by_key(|[a, b]| (std::cmp::Reverse(b - a), *a));
+    orders
+}
+
+/// A mesh on a line, or a cloth in space that is not quite flat, one of whose masses moves at first.
+fn text(nx: usize, ny: usize, links: &[[usize; 2]], space: bool) -> String {
+    let (group, of) = if space { ("[g]\ndim = 3\n[g.MAS]\n", "g.") } else { ("[MAS]\n", "") };
+    let mut text = String::from(group);
+    for i in 0..nx * ny {
+        let (v, x) = (if i == nx + 3 { 0.1 } else { 0.0 }, (i % nx) as f64 * 0.01);
+        let _ = match space {
+            true => writeln!(
+                text,
+                "m{i} = {{ m = \"2 g\", x = [{x}, {}, {}], v = [0, 0, {v}] }}",
+                (i / nx) as f64 * 0.01,
+                (i % 5) as f64 * 1e-3
+            ),
+            false => writeln!(text, "m{i} = {{ m = \"2 g\", v = {v} }}"),
+        };
+    }
+    text += if space { "[g.REF]\n" } else { "[REF]\n" };
+    for [a, b] in links {
+        // stiffness tells links apart
+        let k = 1000 + 7 * a + b;
+        let _ = writeln!(text, "r{a}_{b} = {{ between = [\"{of}m{a}\", \"{of}m{b}\"], k = {k}, z = 0.01 }}");
+    }
+    let along = if space { ", along = \"z\"" } else { "" };
+    let _ = writeln!(text, "[SOX]\no = {{ from = \"{of}m{}\"{along} }}", nx + 5);
+    text
+}
+
+/// The sound of a scene, and the passes it runs.
+fn played(scene: &Scene, ticks: usize) -> (Vec<u64>, Vec<(&'static str, usize, Band)>) {
+    let mut s = scene.state();
+    let sound = (0..ticks).map(|_| {
+        tick(scene, &mut s);
+        s.output[0].to_bits()
+    });
+    let sound = sound.collect();
+    (sound, scene.summed().iter().chain(&scene.moves).map(|op| (op.name, op.n, op.form.band)).collect())
+}
+
+#[test]
+fn a_mesh_is_found_in_any_order_of_its_links() {
+    let (nx, ny) = (13, 14);
+    let usual = scene(&text(nx, ny, &along_first(nx, ny), false));
+    let (sound, passes) = played(&usual, 500);
+    assert!(passes.iter().any(|p| p.2 != Band::None), "{passes:?}");
+    assert!(sound.iter().any(|v| f64::from_bits(*v).abs() > 1e-7), "it is silent");
+    for links in written(nx, ny) {
+        let text = text(nx, ny, &links, false);
+        assert_eq!(played(&scene(&text), 500), (sound.clone(), passes.clone()), "{text}");
+        // to rounding that of a plain loop over the document
+        let plain = with(&text, &reference());
+        let (plain, _) = played(&plain, 500);
+        for (a, b) in sound.iter().zip(plain).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(b))) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn a_cloth_is_found_in_any_order_of_its_links() {
+    let (nx, ny) = (9, 8);
+    let usual = scene(&text(nx, ny, &along_first(nx, ny), true));
+    let (sound, _) = played(&usual, 500);
+    assert!(usual.layout.rows.iter().all(|r| *r > 0), "all stand in rows");
+    for links in written(nx, ny) {
+        let cloth = scene(&text(nx, ny, &links, true));
+        assert_eq!(cloth.layout.rows, usual.layout.rows);
+        assert_eq!(played(&cloth, 500).0, sound);
+    }
+}
+
+proptest! {
+    /// Links in no order, of meshes of any size, by all vectors.
+    #[test]
+    fn no_order_of_links_tells(
+        (nx, ny, links) in (12usize..24, 11usize..20)
+            .prop_flat_map(|(nx, ny)| (Just(nx), Just(ny), Just(along_first(nx, ny)).prop_shuffle()))
+    ) {
+        let sound = played(&scene(&text(nx, ny, &along_first(nx, ny), false)), 200);
+        let mut other = scene(&text(nx, ny, &links, false)).scene;
+        for vectors in Vectors::all() {
+            other.layout.vectors = vectors;
+            prop_assert_eq!(&played(&other, 200), &sound);
+        }
+    }
+}
