@@ -28,16 +28,10 @@ fn text(nx: usize, ny: usize, links: &[[usize; 2]], space: bool) -> String {
     let (group, of) = if space { ("[g]\ndim = 3\n[g.MAS]\n", "g.") } else { ("[MAS]\n", "") };
     let mut text = String::from(group);
     for i in 0..nx * ny {
-        let (v, x) = (if i == nx + 3 { 0.1 } else { 0.0 }, (i % nx) as f64 * 0.01);
-        let _ = match space {
-            true => writeln!(
-                text,
-                "m{i} = {{ m = \"2 g\", x = [{x}, {}, {}], v = [0, 0, {v}] }}",
-                (i / nx) as f64 * 0.01,
-                (i % 5) as f64 * 1e-3
-            ),
-            false => writeln!(text, "m{i} = {{ m = \"2 g\", v = {v} }}"),
-        };
+        let v = if i == nx + 3 { 0.1 } else { 0.0 };
+        let (x, y, z) = ((i % nx) as f64 * 0.01, (i / nx) as f64 * 0.01, (i % 5) as f64 * 1e-3);
+        let of = if space { format!("x = [{x}, {y}, {z}], v = [0, 0, {v}]") } else { format!("v = {v}") };
+        let _ = writeln!(text, "m{i} = {{ m = \"2 g\", {of} }}");
     }
     text += if space { "[g.REF]\n" } else { "[REF]\n" };
     for [a, b] in links {
