@@ -47,7 +47,7 @@ pub fn schedule(
     diags: &mut Diags,
 ) -> Option<Scene> {
     let plan = Plan::new(net, order);
-    let batches = plan.batches(options.kernel);
+    let (batches, sorted) = plan.batches(options.kernel);
     let mut written = Written::new(&batches);
     let mut batches = plan.chained(options, batches);
     let settled = plan.settled(order, options, &batches);
@@ -228,6 +228,7 @@ pub fn schedule(
         certificate,
         equivalence: net.equivalence.clone(),
         left_out: net.left_out.clone(),
+        sorted,
         title: plain(model.title()),
         seconds: net.seconds,
         initial,

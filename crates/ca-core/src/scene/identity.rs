@@ -18,8 +18,9 @@ use core::hash::Hasher as _;
 /// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
 /// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
-/// the forces of links, and not before them.
-pub const ARITHMETIC: u32 = 2;
+/// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
+/// line first.
+pub const ARITHMETIC: u32 = 3;
 
 impl Scene {
     /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
@@ -28,6 +29,9 @@ impl Scene {
             let second = op.ports.onto.map(|onto| onto.0);
             op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
         };
+        if self.sorted {
+            return 3;
+        }
         if !self.layout.enf.is_empty() {
             return 2;
         }

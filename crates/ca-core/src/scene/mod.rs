@@ -93,6 +93,8 @@ pub struct Scene {
     pub equivalence: Equivalence,
     /// what the passes of the compiler left out, in words
     pub left_out: Vec<String>,
+    /// links are summed in another order than the document has them in, so that they stand in rows
+    pub sorted: bool,
     /// title of the model
     pub title: String,
     /// how long the author lets it sound \[s\], if said

@@ -85,6 +85,7 @@ impl Row {
             certificate: Certificate::default(),
             equivalence: Equivalence::default(),
             left_out: Vec::new(),
+            sorted: false,
             title: "by hand".into(),
             seconds: None,
             initial: self.state,

@@ -26,26 +26,28 @@ pub struct Shape {
 }
 
 impl Plan<'_> {
-    /// Batches of links: in document order, or by law with rows as runs; those behind that are solved after others.
-    pub fn batches(&self, class: KernelClass) -> Vec<Batch> {
+    /// Batches of links: in document order, or by law with rows as runs; those behind that are solved after others. True where they are
+    /// summed in another order than the document has them in, as [`sorted`](super::sorted) says.
+    pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {
             let law = laws[links[0] as usize];
             let (integrate, hub, band) = (Integrate::No, Hub::None, Band::None);
             Batch { links, law, stride, hub, integrate, folded: false, mesh: None, band }
         };
-        let mut all: Vec<Batch> = self.grouped(class, &laws).into_iter().map(batch).collect();
+        let (grouped, sorted) = self.grouped(class, &laws);
+        let mut all: Vec<Batch> = grouped.into_iter().map(batch).collect();
         all.sort_by_key(|b| b.law.is_staged());
-        all
+        (all, sorted)
     }
 
-    /// Links of one batch, with its stride, 0 where there is none.
-    fn grouped(&self, class: KernelClass, laws: &[&'static Law]) -> Vec<(Vec<u32>, usize)> {
+    /// Links of one batch, with its stride, 0 where there is none; and whether they are sorted.
+    fn grouped(&self, class: KernelClass, laws: &[&'static Law]) -> (Vec<(Vec<u32>, usize)>, bool) {
         let shape = |l: u32| self.shape(l, laws[l as usize]);
         let same = |a: u32, b: u32| shape(a) == shape(b);
         let all: Vec<u32> = (0..self.net.lias.len() as u32).collect();
         if class == KernelClass::Reference {
-            return all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect();
+            return (all.chunk_by(|a, b| same(*a, *b)).map(|c| (c.to_vec(), 0)).collect(), false);
         }
         let mut by_law: Vec<Vec<u32>> = Vec::new();
         for l in all {
@@ -54,18 +56,33 @@ impl Plan<'_> {
                 None => by_law.push(alloc::vec![l]),
             }
         }
+        let plain = |l: u32| {
+            let at = shape(l);
+            at.onto.is_none() && at.set.is_none() && !laws[l as usize].is_staged()
+        };
+        let others = |group: &Vec<u32>| {
+            let law = laws[group[0] as usize];
+            !(law.linear && !law.implicit && plain(group[0]) && shape(group[0]).measure == MeasureKind::Line)
+        };
+        // an import has the bits of the program it comes from
+        let sorts = !self.net.as_milib;
+        let mut sorted = sorts && !by_law.is_sorted_by_key(others);
+        if sorted {
+            by_law.sort_by_key(others);
+        }
         let mut out = Vec::new();
-        for group in by_law {
-            let at = shape(group[0]);
-            let plain = at.onto.is_none() && at.set.is_none() && !laws[group[0] as usize].is_staged();
-            let group = match at.measure {
-                MeasureKind::Line if plain => self.sorted(group, SHORTEST_RUN, 1),
-                MeasureKind::Radial if plain && laws[group[0] as usize].linear => {
-                    self.sorted(group, SHORTEST_IN_SPACE, POINT)
+        for mut group in by_law {
+            let (first, measure) = (group[0], shape(group[0]).measure);
+            let now = match measure {
+                MeasureKind::Line if sorts && plain(first) => self.sorted(&group, SHORTEST_RUN, 1),
+                MeasureKind::Radial if sorts && plain(first) && laws[first as usize].linear => {
+                    self.sorted(&group, SHORTEST_IN_SPACE, POINT)
                 }
-                _ => group,
+                _ => None,
             };
-            if at.measure != MeasureKind::Line || !plain {
+            sorted |= now.is_some();
+            group = now.unwrap_or(group);
+            if measure != MeasureKind::Line || !plain(first) {
                 out.push((group, 0));
                 continue;
             }
@@ -81,7 +98,7 @@ impl Plan<'_> {
                 out.push((loose, 0));
             }
         }
-        out
+        (out, sorted)
     }
 
     /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0
