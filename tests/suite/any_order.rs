@@ -62,7 +62,10 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     let (sound, passes) = played(&usual, 500);
     assert!(passes.iter().any(|p| p.2 != Band::None), "{passes:?}");
     assert!(sound.iter().any(|v| f64::from_bits(*v).abs() > 1e-7), "it is silent");
-    assert!(!usual.sorted && usual.same_since() == 0, "its takes keep their bits");
+    let string = scene(&text(30, 1, &along_first(30, 1), false));
+    assert!(!string.sorted && string.same_since() == 0, "its takes keep their bits");
+    let masses = |p: &&(&str, usize, Band)| p.2 != Band::None && p.1 >= nx * ny;
+    assert!(passes.iter().any(|p| masses(&p)), "no corner is left out: {passes:?}");
     for links in written(nx, ny) {
         let text = text(nx, ny, &links, false);
         let mesh = scene(&text);

@@ -185,7 +185,7 @@ fn slow_scene<'a>(
 }
 
 /// The order of the MATs in the state.
-fn order(net: &Pruned, options: &Options) -> Vec<u32> {
+fn order(net: &Pruned, options: &Options) -> ordering::Storage {
     match options.kernel {
         KernelClass::Fast | KernelClass::Listed => ordering::storage(net),
         KernelClass::Reference => ordering::document(net),
@@ -211,7 +211,7 @@ pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene
     if let Some(why) = cut::obstacle(&net) {
         return Err(why.into());
     }
-    let cut = cut::cut(&net, &order(&net, options)).ok_or("all of it is solved at once, or moves as one")?;
+    let cut = cut::cut(&net, &order(&net, options).order).ok_or("all of it is solved at once, or moves as one")?;
     let across = half::across(&net, &cut);
     let alive: Vec<u32> = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
     let place: BTreeMap<u32, u32> = alive.into_iter().zip(whole.symbols.places().iter().copied()).collect();

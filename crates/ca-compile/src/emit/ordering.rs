@@ -8,13 +8,22 @@ use crate::net::{End, Pruned};
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 
-/// Storage order: document numbers of the MATs that stay, as they stand in the state.
-pub fn document(net: &Pruned) -> Vec<u32> {
-    (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect()
+/// Storage order.
+pub struct Storage {
+    /// document numbers of the MATs that stay, as they stand in the state
+    pub order: Vec<u32>,
+    /// true where arithmetic 2 had another order, that of a row turning into the next at the corner of a mesh
+    pub sorted: bool,
+}
+
+/// As the document has them.
+pub fn document(net: &Pruned) -> Storage {
+    let order = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
+    Storage { order, sorted: false }
 }
 
 /// As `document`, with chains in a row.
-pub fn storage(net: &Pruned) -> Vec<u32> {
+pub fn storage(net: &Pruned) -> Storage {
     // neighbours in document order of the links, as (start, list)
     let n = net.mats.len();
     let pairs = || {
@@ -40,7 +49,8 @@ pub fn storage(net: &Pruned) -> Vec<u32> {
         fill[b] += 1;
     });
     let mut seen = alloc::vec![false; n];
-    let mut order = Vec::with_capacity(n);
+    let (mut order, mut sorted) = (Vec::with_capacity(n), false);
+    let degree = |m: usize| start[m + 1] - start[m];
     for first in 0..n {
         let mut at = first;
         while net.alive[at] && !seen[at] {
@@ -53,7 +63,12 @@ pub fn storage(net: &Pruned) -> Vec<u32> {
             let follower = if around.contains(&(at + 1)) && !seen[at + 1] {
                 Some(at + 1)
             } else if by_hand(at) {
-                around.iter().copied().find(|m| !seen[*m] && by_hand(*m) && start[m + 1] - start[*m] <= 2)
+                let chain = around.iter().copied().find(|m| !seen[*m] && by_hand(*m) && degree(*m) <= 2);
+                // the corner of a mesh is between two others that are in no chain
+                let others = |m: usize| next[start[m]..start[m + 1]].iter().filter(move |o| **o != at);
+                let corner = |m: usize| degree(at) > 2 && others(m).any(|o| degree(*o) > 2);
+                sorted |= chain.is_some_and(corner);
+                chain.filter(|m| !corner(*m))
             } else {
                 None
             };
@@ -63,5 +78,5 @@ pub fn storage(net: &Pruned) -> Vec<u32> {
             }
         }
     }
-    order
+    Storage { order, sorted }
 }

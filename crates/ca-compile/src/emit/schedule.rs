@@ -4,6 +4,7 @@ use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
 use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::milib;
+use crate::emit::ordering::Storage;
 use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
 use crate::emit::pefrl;
@@ -40,14 +41,16 @@ use core::ops::Range;
 pub fn schedule(
     model: &Model,
     net: &Pruned,
-    order: &[u32],
+    storage: &Storage,
     options: &Options,
     certificate: Certificate,
     slow: Option<&Slow>,
     diags: &mut Diags,
 ) -> Option<Scene> {
+    let order = &storage.order[..];
     let plan = Plan::new(net, order);
     let (batches, sorted) = plan.batches(options.kernel);
+    let sorted = sorted || storage.sorted || slow.is_some_and(|slow| slow.scene.sorted);
     let mut written = Written::new(&batches);
     let mut batches = plan.chained(options, batches);
     let settled = plan.settled(order, options, &batches);

@@ -2,17 +2,19 @@
 //!
 //! A mesh may be written row by row, node by node, column by column or in no order, and a hammer before or behind it: it is the
 //! same mesh. Rows are found in links that follow each other, and fused where nothing is added before them. Decides that linear
-//! links on a line come first, and that of each law those written one by one stand by stride and then by place where that makes
-//! rows; the forces on a mass are summed in this order. What a generator made stands as it should, and links of
-//! which no rows can be made keep the order of the document.
+//! links on a line come first, and that of each law those written one by one that stand in rows come by stride and then by
+//! place, before those that do not; the forces on a mass are summed in this order. What a generator made stands as it should.
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 
+/// Rows shorter than this are none: among links at random there are some of three.
+const SHORTEST: usize = 4;
+
 impl Plan<'_> {
-    /// The links of one law and measure, if they stand otherwise than listed: those written one by one sorted, where some then
-    /// stand in rows of at least `shortest` links, whose ends are `step` slots further from one link to the next.
+    /// The links of one law and measure, if they stand otherwise than listed: where some of those written one by one then stand
+    /// in rows of at least `shortest` links, whose ends are `step` slots further from one link to the next.
     pub fn sorted(&self, links: &[u32], shortest: usize, step: u32) -> Option<Vec<u32>> {
         let stride = |l: u32| {
             let [a, b] = self.ends(l);
@@ -22,18 +24,27 @@ impl Plan<'_> {
             let item = self.net.lias[*l as usize].item;
             matches!(self.net.items[item as usize].kind.role, Role::Lia(_))
         };
-        let key = |l: &u32| by_hand(l).then(|| (stride(*l), self.ends(*l)[0]));
-        if links.is_sorted_by_key(key) {
+        let key = |l: &u32| (stride(*l), self.ends(*l)[0]);
+        let (listed, made): (Vec<u32>, Vec<u32>) = links.iter().partition(|l| by_hand(l));
+        if listed.is_sorted_by_key(key) {
             return None;
         }
-        let mut sorted = links.to_vec();
+        let mut sorted = listed.clone();
         sorted.sort_by_key(key);
+        let is_row = |row: &&[u32], shortest: usize| row.len() >= shortest && stride(row[0]) < u32::MAX / 2;
+        // links in rows, and how many of them in long ones
         let in_rows = |links: &[u32]| {
-            let rows = links.chunk_by(|a, b| self.follows(*a, *b, step));
-            let long = rows.filter(|row| row.len() >= shortest && stride(row[0]) < u32::MAX / 2);
-            long.map(<[u32]>::len).sum::<usize>()
+            let rows = || links.chunk_by(|a, b| self.follows(*a, *b, step));
+            let long = rows().filter(|row| is_row(row, shortest)).map(<[u32]>::len).sum::<usize>();
+            (rows().filter(|row| is_row(row, SHORTEST)).flatten().copied().collect::<Vec<u32>>(), long)
         };
-        let all = in_rows(&sorted);
-        (all > 0 && all >= in_rows(links)).then_some(sorted)
+        let ((was, long), (mut rows, longer)) = (in_rows(&listed), in_rows(&sorted));
+        if rows == was || longer == 0 || longer < long {
+            return None;
+        }
+        let mut taken = rows.clone();
+        taken.sort_unstable();
+        rows.extend(listed.iter().filter(|l| taken.binary_search(l).is_err()));
+        Some([made, rows].concat())
     }
 }
