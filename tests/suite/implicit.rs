@@ -272,7 +272,7 @@ fn a_group_has_a_method() {
     let scene = scene(text);
     assert_eq!(scene.certificate.level, Level::Proven);
     let codes: Vec<_> = scene.forces.iter().map(|o| o.name).collect();
-    assert_eq!(codes, ["REF implicit", "REF implicit", "RES", "implicit"]);
+    assert_eq!(codes, ["RES", "REF implicit", "REF implicit", "implicit"]);
     let network = ca_compile::linear(&crate::play::model(text), &catalog(), &ca_compile::Options::default());
     let network = network.expect("it compiles");
     let modes = ca_compile::analysis::modes::modes(&network).expect("they are found");

@@ -64,10 +64,9 @@ impl Plan<'_> {
             let law = laws[group[0] as usize];
             !(law.linear && !law.implicit && plain(group[0]) && shape(group[0]).measure == MeasureKind::Line)
         };
-        // an import has the bits of the program it comes from; nothing is fused where a link goes by the motion to come
+        // an import has the bits of the program it comes from
         let sorts = !self.net.as_milib;
-        let fuses = sorts && !laws.iter().any(|law| law.implicit || law.is_staged());
-        let mut sorted = fuses && !by_law.is_sorted_by_key(others);
+        let mut sorted = sorts && !by_law.is_sorted_by_key(others);
         if sorted {
             by_law.sort_by_key(others);
         }

@@ -9,8 +9,8 @@ use crate::emit::plan::Plan;
 use alloc::vec::Vec;
 use ca_core::kind::Role;
 
-/// Rows shorter than this are none: among links at random there are some of three.
-const SHORTEST: usize = 4;
+/// Links in a row, at least; rows that are too short to run as such still have their order.
+const SHORTEST: usize = 2;
 
 impl Plan<'_> {
     /// The links of one law and measure, if they stand otherwise than listed: where some of those written one by one then stand
