@@ -406,9 +406,9 @@ fn lists_have_the_bits_of_their_list() {
         let s = scene(&text);
         let fans = s.summed().iter().filter(|op| op.form.hub != Hub::None);
         let fans: Vec<_> = fans.map(|op| (op.n, op.form.hub)).collect();
-        // of nine, the first tie follows the last shank in its row
-        let ties = if n < 12 { n - 1 } else { n };
-        assert_eq!(fans, [(n, Hub::First), (ties, Hub::Second), (n, Hub::First)], "{text}");
+        let each = [(n, Hub::First), (n, Hub::Second), (n, Hub::First)];
+        // one that is short is worth it where none that are looked up stand before it
+        assert_eq!(fans, if n < 12 { &each[..1] } else { &each }, "{text}");
     }
 }
 

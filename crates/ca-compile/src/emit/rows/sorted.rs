@@ -2,8 +2,9 @@
 //!
 //! A mesh may be written row by row, node by node, column by column or in no order, and a hammer before or behind it: it is the
 //! same mesh. Rows are found in links that follow each other, and fused where nothing is added before them. Decides that linear
-//! links on a line come first, and that of each law those written one by one that stand in rows come by stride and then by
-//! place, before those that do not; the forces on a mass are summed in this order. What a generator made stands as it should.
+//! links on a line come first, and that of each law those written one by one, or as lists that are rows, come by stride and then
+//! by place, before those that stand in no row; the forces on a mass are summed in this order. What a generator made
+//! stands as it should.
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
@@ -20,12 +21,16 @@ impl Plan<'_> {
             let [a, b] = self.ends(l);
             b.wrapping_sub(a)
         };
-        let by_hand = |l: &u32| {
-            let item = self.net.lias[*l as usize].item;
-            matches!(self.net.items[item as usize].kind.role, Role::Lia(_))
-        };
         let key = |l: &u32| (stride(*l), self.ends(*l)[0]);
-        let (listed, made): (Vec<u32>, Vec<u32>) = links.iter().partition(|l| by_hand(l));
+        let item = |l: &u32| self.net.lias[*l as usize].item;
+        let follows = |a: &u32, b: &u32| self.follows(*a, *b, step);
+        let (mut listed, mut made) = (Vec::new(), Vec::new());
+        for of in links.chunk_by(|a, b| item(a) == item(b)) {
+            let by_hand = matches!(self.net.items[item(&of[0]) as usize].kind.role, Role::Lia(_));
+            // a list that is no row, as from one place to many, has the order its author gave it
+            let to = if by_hand && of.is_sorted_by(follows) { &mut listed } else { &mut made };
+            to.extend_from_slice(of);
+        }
         if listed.is_sorted_by_key(key) {
             return None;
         }
@@ -34,7 +39,7 @@ impl Plan<'_> {
         let is_row = |row: &&[u32], shortest: usize| row.len() >= shortest && stride(row[0]) < u32::MAX / 2;
         // links in rows, and how many of them in long ones
         let in_rows = |links: &[u32]| {
-            let rows = || links.chunk_by(|a, b| self.follows(*a, *b, step));
+            let rows = || links.chunk_by(follows);
             let long = rows().filter(|row| is_row(row, shortest)).map(<[u32]>::len).sum::<usize>();
             (rows().filter(|row| is_row(row, SHORTEST)).flatten().copied().collect::<Vec<u32>>(), long)
         };
