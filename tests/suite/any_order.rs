@@ -64,6 +64,9 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     assert!(sound.iter().any(|v| f64::from_bits(*v).abs() > 1e-7), "it is silent");
     let string = scene(&text(40, 1, &along_first(40, 1), false));
     assert!(!string.sorted && string.same_since() == 0, "its takes keep their bits");
+    let made =
+        scene("[MESH]\nm = { nx = 14, ny = 13, m = \"2 g\", k = 1000, z = 0.01 }\n[SOX]\no = { from = \"m[5,1]\" }\n");
+    assert_eq!(played(&made, 1).1, passes, "by hand and made");
     let masses = |p: &&(&str, usize, Band)| p.2 != Band::None && p.1 >= nx * ny;
     assert!(passes.iter().any(|p| masses(&p)), "no corner is left out: {passes:?}");
     for links in written(nx, ny) {
