@@ -1,6 +1,5 @@
-//! Links as passes, in the order of work: batches of links of one law ([`batches`], in the order of rows by [`sorted`]), short rows of one law as one
-//! ([`chains`]), what is integrated with them ([`fuse`]
-//! by [`added`], meshes by [`bands`]), rows that run as one ([`join`]), rows in eight lanes ([`fold`]), lists from one place
+//! Links as passes, in the order of work: batches of links of one law ([`batches`]) in the order of rows ([`sorted`]), short rows
+//! of one law as one ([`chains`]), what is integrated with them ([`fuse`] by [`added`], meshes by [`bands`]), rows that run as one ([`join`]), rows in eight lanes ([`fold`]), lists from one place
 //! to a row ([`fans`]), their arrays ([`links`]), rows of points in space ([`space`]), and the order of the document in which a state is hashed ([`written`]).
 
 pub mod added;
