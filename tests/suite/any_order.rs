@@ -106,7 +106,7 @@ fn what_stands_around_a_mesh_changes_no_order() {
                 return text;
             }
             let corner = |i: usize| [0, nx - 1, nx * (ny - 1), nx * ny - 1].contains(&i);
-            let sol: String = (0..nx * ny).filter(|i| corner(*i)).map(|i| format!("m{i} = {{}}\n")).collect();
+            let sol = (0..nx * ny).filter(|i| corner(*i)).fold(String::new(), |all, i| all + &format!("m{i} = {{}}\n"));
             let mass = |line: &&str| !(0..nx * ny).any(|i| corner(i) && line.starts_with(&format!("m{i} = ")));
             text.lines().filter(mass).collect::<Vec<_>>().join("\n") + "\n[SOL]\n" + &sol
         };

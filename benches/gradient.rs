@@ -1,0 +1,173 @@
+//! What derivatives cost: the time of a sample with several of them over that of a render, forward and in reverse, beside how far
+//! they are from a central difference of renders and from each other. Prints a page; with `UPDATE=1` writes it to
+//! `docs/measured/gradients.md`.
+//!
+//! Decides on ratios within one run, of the quickest of several turns each: other programs take time too.
+#![allow(missing_docs)]
+
+use ca_benches::machine;
+use ca_gradient::{Forward, Reverse, Tangents};
+use cordis_anima::{Loaded, Options, Scene, tick};
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::time::Instant;
+
+const HEAD: &str = "# What derivatives cost
+
+Made by `UPDATE=1 cargo bench -p ca-benches --bench gradient`: do not edit.
+
+Half a second of each scene: a render, forward mode with the derivatives of every sample by all parameters, and reverse mode with those
+of one number, the power of the sound. Reverse mode first plays with checkpoints (*play*), for the loss, and then goes back
+(*back*); what it takes does not depend on the number of parameters. Times are over that of a render, which is the loop over
+ticks alone. Expected is at most 1 + 1.5 p forward for p parameters, and in reverse 5 for what is linear, 8 with contacts.
+
+*Difference* is how far derivatives by the first parameter are from a central difference of renders, over the largest, to which
+the step of the difference adds its own error, and in the bowed bar a contact that begins in another sample; *apart* is how far the
+gradients of both modes are from each other, over the largest of each parameter's terms in them.
+";
+
+/// Title, text, parameters, and what reverse mode may take.
+type Case = (&'static str, &'static str, &'static [&'static str], f64);
+
+const CASES: &[Case] = &[
+    (
+        "string of 200, bent at first",
+        "[STRING]\nlow = { n = 200, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nbent = { m = '1 g', dx0 = '1 mm' }\n[REF]\nheld = { between = ['bent', 'low[20]'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[3]', gain = 800 }\n",
+        &["bent.dx0", "low.m", "low.f", "low.t60", "held.k", "held.z"],
+        5.0,
+    ),
+    (
+        "mesh of 20 × 20, bent at first",
+        "[MESH]\nlow = { nx = 20, ny = 20, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nbent = { m = '1 g', dx0 = '1 mm' }\n[REF]\nheld = { between = ['bent', 'low[68]'], k = '2 kN/m', z = '0.1 N s/m' }\n[SOX]\nout = { from = 'low[83]', gain = 800 }\n",
+        &["bent.dx0", "low.m", "low.f", "low.t60", "held.k", "held.z"],
+        5.0,
+    ),
+    (
+        "string of 40, struck",
+        "[STRING]\nlow = { n = 40, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5.1 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[8]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[3]', gain = 800 }\n",
+        &NAMES,
+        8.0,
+    ),
+    (
+        "mesh of 20 × 20, struck",
+        "[MESH]\nlow = { nx = 20, ny = 20, f = '110 Hz', t60 = '4 s', m = '1 g' }\n[MAS]\nhammer = { m = '20 g', x = '-5.1 mm', v = '1 m/s' }\n[BUT]\nstrike = { between = ['hammer', 'low[68]'], k = '8 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'low[83]', gain = 800 }\n",
+        &NAMES,
+        8.0,
+    ),
+    (
+        "bowed bar and a clapper",
+        "[CEL]\nlow = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\nhammer = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BOW]\nrub = { between = ['low', 'bow'], f = '0.3 N', v0 = '50 mm/s', method = 'secant' }\n[HRZ]\nstrike = { between = ['hammer', 'low'], k = '1e7 N/m^1.5', method = 'stable' }\n[SOX]\nout = { from = 'low' }\n",
+        &NAMES,
+        8.0,
+    ),
+];
+const NAMES: [&str; 7] = ["hammer.v", "hammer.m", "hammer.x", "strike.k", "low.m", "low.f", "low.t60"];
+
+/// Seconds of a call, and what it gave.
+fn timed<T>(call: impl FnOnce() -> T) -> (f64, T) {
+    let begin = Instant::now();
+    let made = call();
+    (begin.elapsed().as_secs_f64(), made)
+}
+
+/// What is heard of the first output.
+fn rendered(scene: &Scene, frames: usize) -> Vec<f64> {
+    let mut s = scene.state();
+    let sample = |_| {
+        tick(scene, &mut s);
+        s.output[0]
+    };
+    (0..frames).map(sample).collect()
+}
+
+/// How far the derivatives by the first parameter are from a central difference, over the largest.
+fn from_difference(loaded: &Loaded, name: &str, t: &Tangents) -> f64 {
+    let (p, h) = (&t.parameters[0], 1e-7);
+    let moved = |v: f64| {
+        let mut other = loaded.clone();
+        assert!(other.model.put(name, format!("{v:e} {}", p.unit).into()));
+        rendered(&other.compile(&Options::default()).expect("a scene").scene, t.frames)
+    };
+    let (up, down) = (moved(p.value + h), moved(p.value - h));
+    let exact = up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * h));
+    let by = t.tangents.iter().step_by(t.parameters.len());
+    let (off, most) =
+        exact.zip(by).fold((0.0_f64, 0.0_f64), |(off, most), (e, by)| (off.max((e - by).abs()), most.max(e.abs())));
+    off / most
+}
+
+/// How far a gradient of the power is from forward mode's, over the largest terms in each sum.
+fn apart(t: &Tangents, gradient: &[f64]) -> f64 {
+    let p = gradient.len();
+    let of = |q: usize| {
+        let terms = t.output.iter().zip(t.tangents.chunks_exact(p)).map(|(v, by)| v * by[q]);
+        let (sum, most) = terms.fold((0.0, 0.0_f64), |(sum, most), v| (sum + v, most.max(f64::abs(v))));
+        (sum - gradient[q]).abs() / most.max(f64::MIN_POSITIVE)
+    };
+    (0..p).map(of).fold(0.0, f64::max)
+}
+
+fn row(case: &Case, frames: usize, turns: usize) -> String {
+    let (title, text, names, most) = case;
+    let loaded = Loaded::read(text, "cost.ca.toml");
+    let scene = loaded.compile(&Options::default()).expect("a scene").scene;
+    let forward = Forward::new(&loaded, &Options::default(), names).expect("derivatives");
+    let reverse = Reverse::new(&loaded, &Options::default(), names).map(Arc::new);
+    let seconds = Some(frames as f64 / scene.rate);
+    let [mut plain, mut dual, mut play, mut back] = [f64::INFINITY; 4];
+    let mut found = None;
+    for _ in 0..turns {
+        let mut s = scene.state();
+        plain = plain.min(timed(|| (0..frames).for_each(|_| tick(&scene, &mut s))).0);
+        let (time, t) = timed(|| forward.tangents(seconds, None, &mut || true).expect("derivatives"));
+        dual = dual.min(time);
+        let mut gradient = None;
+        if let Ok(reverse) = &reverse {
+            let (time, played) = timed(|| reverse.play(seconds, None, &mut || true).expect("it plays"));
+            play = play.min(time);
+            let (time, g) = timed(|| played.gradient(&t.output, &mut || true).expect("a gradient"));
+            back = back.min(time);
+            gradient = Some(g.parameters);
+        }
+        found = Some((t, gradient));
+    }
+    let (t, gradient) = found.expect("a turn");
+    let (ns, p) = (plain / frames as f64 * 1e9, names.len());
+    let against = |v: f64, most: f64| format!("{v:.1} (≤ {most}: {})", if v <= most { "holds" } else { "**not so**" });
+    let reverse = match &gradient {
+        Some(g) => {
+            let all = (play + back) / plain;
+            format!("{:.1} | {:.1} | {} | {:.0e}", play / plain, back / plain, against(all, *most), apart(&t, g))
+        }
+        None => "– | – | not known | –".into(),
+    };
+    let forward = against(dual / plain, 1.0 + 1.5 * p as f64);
+    format!("| {title} | {ns:.0} | {p} | {forward} | {reverse} | {:.0e} |", from_difference(&loaded, names[0], &t))
+}
+
+fn main() {
+    // `cargo test --benches` asks whether it runs at all
+    let long = std::env::args().any(|a| a == "--bench");
+    let (frames, turns, cases) = if long { (24_000, 9, CASES) } else { (400, 1, &CASES[..1]) };
+    let mut page = format!("{HEAD}\nThe machine of this page is {}.\n\n", machine());
+    page += "| scene | a render [ns a sample] | p | forward | play | back | reverse | apart | difference |\n|---|---|---|---|---|---|---|---|---|\n";
+    for case in cases {
+        let _ = writeln!(page, "{}", row(case, frames, turns));
+    }
+    page += SHORT;
+    println!("{page}");
+    if long && std::env::var_os("UPDATE").is_some() {
+        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/gradients.md"), page)
+            .expect("docs/measured is there");
+    }
+}
+
+const SHORT: &str = "
+What is short of what is expected, by samples of the processor (`perf record` of this bench):
+
+- *Forward.* Of the string of 200, 37 % are the fused pass of the render and of six states of derivatives, 21 % the forces that changed
+  numbers add, found once a sample, 18 % these forces added to the states that they change, and the rest the many short passes of
+  each state: a link that is looked up, the outputs, copies. A fused pass over all states at once, which reads the numbers of each
+  link and mass once, would mend it.
+- *Bowed bar.* Reverse mode does not know friction and a stable contact that share a mass.
+";
