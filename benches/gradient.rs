@@ -23,7 +23,7 @@ ticks alone. Expected is at most 1 + 1.5 p forward for p parameters, and in reve
 
 *Difference* is how far derivatives by the first parameter are from a central difference of renders, over the largest, to which
 the step of the difference adds its own error, and in the bowed bar a contact that begins in another sample; *apart* is how far the
-gradients of both modes are from each other, over the largest of each parameter's terms in them.
+gradients of both modes are from each other, over the sum of the sizes of their terms.
 ";
 
 /// Title, text, parameters, and what reverse mode may take.
@@ -96,13 +96,13 @@ fn from_difference(loaded: &Loaded, name: &str, t: &Tangents) -> f64 {
     off / most
 }
 
-/// How far a gradient of the power is from forward mode's, over the largest terms in each sum.
+/// How far a gradient of the power is from forward mode's, over the sum of the sizes of its terms.
 fn apart(t: &Tangents, gradient: &[f64]) -> f64 {
     let p = gradient.len();
     let of = |q: usize| {
         let terms = t.output.iter().zip(t.tangents.chunks_exact(p)).map(|(v, by)| v * by[q]);
-        let (sum, most) = terms.fold((0.0, 0.0_f64), |(sum, most), v| (sum + v, most.max(f64::abs(v))));
-        (sum - gradient[q]).abs() / most.max(f64::MIN_POSITIVE)
+        let (sum, sizes) = terms.fold((0.0, f64::MIN_POSITIVE), |(sum, sizes), v| (sum + v, sizes + f64::abs(v)));
+        (sum - gradient[q]).abs() / sizes
     };
     (0..p).map(of).fold(0.0, f64::max)
 }
