@@ -5,7 +5,7 @@
 //! Decides on ratios within one run, of the quickest of several turns each: other programs take time too.
 #![allow(missing_docs)]
 
-use ca_benches::machine;
+use ca_benches::{at_most, machine, publish};
 use ca_gradient::{Forward, Reverse, Tangents};
 use cordis_anima::{Loaded, Options, Scene, tick};
 use std::fmt::Write as _;
@@ -133,15 +133,20 @@ fn row(case: &Case, frames: usize, turns: usize) -> String {
     }
     let (t, gradient) = found.expect("a turn");
     let (ns, p) = (plain / frames as f64 * 1e9, names.len());
-    let against = |v: f64, most: f64| format!("{v:.1} (≤ {most}: {})", if v <= most { "holds" } else { "**not so**" });
     let reverse = match &gradient {
         Some(g) => {
             let all = (play + back) / plain;
-            format!("{:.1} | {:.1} | {} | {:.0e}", play / plain, back / plain, against(all, *most), apart(&t, g))
+            format!(
+                "{:.1} | {:.1} | {} | {:.0e}",
+                play / plain,
+                back / plain,
+                at_most(all, 1, Some(*most)),
+                apart(&t, g)
+            )
         }
         None => "– | – | not known | –".into(),
     };
-    let forward = against(dual / plain, 1.0 + 1.5 * p as f64);
+    let forward = at_most(dual / plain, 1, Some(1.0 + 1.5 * p as f64));
     format!("| {title} | {ns:.0} | {p} | {forward} | {reverse} | {:.0e} |", from_difference(&loaded, names[0], &t))
 }
 
@@ -155,18 +160,14 @@ fn main() {
         let _ = writeln!(page, "{}", row(case, frames, turns));
     }
     page += SHORT;
-    println!("{page}");
-    if long && std::env::var_os("UPDATE").is_some() {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/gradients.md"), page)
-            .expect("docs/measured is there");
-    }
+    publish("gradients", &page, long);
 }
 
 const SHORT: &str = "
 What is short of what is expected, by samples of the processor (`perf record` of this bench):
 
-- *Forward.* Of the string of 200, 37 % are the fused pass of the render and of six states of derivatives, 21 % the forces that changed
-  numbers add, found once a sample, 18 % these forces added to the states that they change, and the rest the many short passes of
+- *Forward.* Of the string of 200 most is the fused pass, of the render and of six states of derivatives; then the forces that changed
+  numbers add, found once a sample; then these forces added to the states that they change; then the many short passes of
   each state: a link that is looked up, the outputs, copies. A fused pass over all states at once, which reads the numbers of each
   link and mass once, would mend it.
 - *Bowed bar.* Reverse mode does not know friction and a stable contact that share a mass.

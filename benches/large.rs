@@ -4,7 +4,7 @@
 //! Decides to count bytes as they are asked of the allocator: what the system lends changes from run to run.
 #![allow(missing_docs)]
 
-use ca_benches::{by_hand, catalog, machine, string};
+use ca_benches::{at_most, by_hand, catalog, machine, publish, string};
 use ca_compile::{Options, compile};
 use ca_core::{Scene, process};
 use ca_lab::timing::processor;
@@ -91,13 +91,6 @@ fn played(scene: &Scene, rounds: usize, in_all: usize) -> f64 {
     (0..rounds).map(|_| round()).fold(f64::INFINITY, f64::min)
 }
 
-/// A figure with so many digits behind the point, and whether it is at most what is expected.
-fn at_most(is: f64, digits: usize, most: Option<f64>) -> String {
-    let Some(most) = most else { return format!("{is:.digits$}") };
-    let holds = if is <= most { "holds" } else { "**not so**" };
-    format!("{is:.digits$} (≤ {most}: {holds})")
-}
-
 fn main() {
     // `cargo test --benches` asks whether it runs at all
     let long = std::env::args().any(|a| a == "--bench");
@@ -150,9 +143,5 @@ fn main() {
         );
     }
     let _ = write!(page, "\n| model | in all [ms] | most memory [MB] |\n|---|---|---|\n{totals}{SHORT}");
-    println!("{page}");
-    if long && std::env::var_os("UPDATE").is_some() {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/large.md"), page)
-            .expect("docs/measured is there");
-    }
+    publish("large", &page, long);
 }

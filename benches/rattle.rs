@@ -4,6 +4,7 @@
 //! and held by a test; the times are of the machine that made the page.
 #![allow(missing_docs)]
 
+use ca_benches::publish;
 use ca_benches::rattle::{costs, fares, page};
 
 const STIFFNESSES: [f64; 11] = [1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 2.5, 10.0, 100.0, 1e4, 1e6];
@@ -23,9 +24,5 @@ fn main() {
     };
     let table: String = rows.iter().map(row).collect();
     let text = page::page(&table);
-    println!("{text}");
-    if long && std::env::var_os("UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/rattle-energy.md");
-        std::fs::write(path, text).expect("the page can be written");
-    }
+    publish("rattle-energy", &text, long);
 }

@@ -5,7 +5,7 @@
 //! and the halves wait for each other in each tick.
 #![allow(missing_docs)]
 
-use ca_benches::{catalog, machine};
+use ca_benches::{catalog, machine, publish};
 use ca_compile::{Options, compile, halves};
 use ca_core::Scene;
 use ca_core::scene::Halves;
@@ -75,9 +75,5 @@ fn main() {
             two.across
         );
     }
-    println!("{page}");
-    if long && std::env::var_os("UPDATE").is_some() {
-        std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/threads.md"), page)
-            .expect("docs/measured is there");
-    }
+    publish("threads", &page, long);
 }

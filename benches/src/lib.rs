@@ -34,6 +34,22 @@ pub fn machine() -> String {
     )
 }
 
+/// Prints a page of `docs/measured`; with `UPDATE=1`, and if it is `whole`, writes it there.
+pub fn publish(name: &str, page: &str, whole: bool) {
+    println!("{page}");
+    if whole && std::env::var_os("UPDATE").is_some() {
+        let path = format!("{}/../docs/measured/{name}.md", env!("CARGO_MANIFEST_DIR"));
+        std::fs::write(&path, page).unwrap_or_else(|e| panic!("{path}: {e}"));
+    }
+}
+
+/// A figure with so many digits behind the point, and whether it is at most what is expected.
+pub fn at_most(is: f64, digits: usize, most: Option<f64>) -> String {
+    let Some(most) = most else { return format!("{is:.digits$}") };
+    let holds = if is <= most { "holds" } else { "**not so**" };
+    format!("{is:.digits$} (≤ {most}: {holds})")
+}
+
 /// All kinds there are.
 pub fn catalog() -> Catalog {
     ca_model::catalog().with(ca_lpr::KINDS)

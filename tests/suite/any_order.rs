@@ -61,7 +61,8 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     let usual = scene(&text(nx, ny, &along_first(nx, ny), false));
     let (sound, passes) = played(&usual, 500);
     assert!(passes.iter().any(|p| p.2 != Band::None), "{passes:?}");
-    assert!(sound.iter().any(|v| f64::from_bits(*v).abs() > 1e-7), "it is silent");
+    let peak = sound.iter().fold(0.0_f64, |peak, v| peak.max(f64::from_bits(*v).abs()));
+    assert!(peak > 1e-7, "it is silent");
     let string = scene(&text(40, 1, &along_first(40, 1), false));
     assert!(!string.sorted && string.same_since() == 0, "its takes keep their bits");
     let made =
@@ -78,7 +79,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
         let plain = with(&text, &reference());
         let (plain, _) = played(&plain, 500);
         for (a, b) in sound.iter().zip(plain).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(b))) {
-            assert!((a - b).abs() < 1e-12, "{a} {b}");
+            assert!((a - b).abs() < 1e-12 * peak, "{a} {b}");
         }
     }
 }

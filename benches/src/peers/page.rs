@@ -120,9 +120,9 @@ What is short of what is expected, by passes (`ca check --schedule`), counted in
 tried:
 
 - *Strings, in ns.* For eight masses the fused pass reads six vectors (place, motion, force, and three of parameters) and writes
-  three: it is as fast as the first cache gives them, at the clock there is. 500 masses on the Xeon, by vectors of eight, four and
-  two, by `ca check --schedule` with `CA_VECTORS`: 156, 247 and 842 ns. Parameters kept once for a stretch of equal modules would mend it, as below.
-- *64 CEL with 64 outputs.* Three fifths of the tick are the outputs: they are added to one channel in the order of the document, and
+  three: it is as fast as the first cache gives them, at the clock there is. Narrower vectors take
+  longer (`CA_VECTORS=avx2 ca check --schedule`). Parameters kept once for a stretch of equal modules would mend it, as below.
+- *64 CEL with 64 outputs.* Most of the tick is the outputs: they are added to one channel in the order of the document, and
   each addition waits for the one before. Sums in parts would be quicker, and have other bits.
 - *Mesh beside the stencil.* The stencil has one set of parameters, the engine reads those of each link and mass: more numbers a
   tick than the positions are. Parameters kept once for a stretch of equal modules would mend it, at the price of another kernel for

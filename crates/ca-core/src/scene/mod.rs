@@ -93,7 +93,7 @@ pub struct Scene {
     pub equivalence: Equivalence,
     /// what the passes of the compiler left out, in words
     pub left_out: Vec<String>,
-    /// links are summed in another order than the document has them in, so that they stand in rows
+    /// links are summed, or masses stand, in another order than by arithmetic 2, so that rows are found
     pub sorted: bool,
     /// title of the model
     pub title: String,

@@ -27,7 +27,7 @@ pub struct Shape {
 
 impl Plan<'_> {
     /// Batches of links: in document order, or by law with rows as runs; those behind that are solved after others. True where they are
-    /// summed in another order than the document has them in, as [`sorted`](super::sorted) says.
+    /// in another order than arithmetic 2 had them, as [`sorted`](super::sorted) says.
     pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {

@@ -23,12 +23,15 @@ impl Plan<'_> {
         };
         let key = |l: &u32| (stride(*l), self.ends(*l)[0]);
         let item = |l: &u32| self.net.lias[*l as usize].item;
+        let by_hand = |l: &u32| matches!(self.net.items[item(l) as usize].kind.role, Role::Lia(_));
+        if !links.iter().any(by_hand) {
+            return None;
+        }
         let follows = |a: &u32, b: &u32| self.follows(*a, *b, step);
         let (mut listed, mut made) = (Vec::new(), Vec::new());
         for of in links.chunk_by(|a, b| item(a) == item(b)) {
-            let by_hand = matches!(self.net.items[item(&of[0]) as usize].kind.role, Role::Lia(_));
             // a list that is no row, as from one place to many, has the order its author gave it
-            let to = if by_hand && of.is_sorted_by(follows) { &mut listed } else { &mut made };
+            let to = if by_hand(&of[0]) && of.is_sorted_by(follows) { &mut listed } else { &mut made };
             to.extend_from_slice(of);
         }
         if listed.is_sorted_by_key(key) {
