@@ -6,6 +6,7 @@ use ca_core::op::{Band, Op};
 use ca_core::state::Fold;
 
 /// The linear links of a pass.
+#[derive(Clone)]
 pub struct Rows {
     /// what their law is made of
     pub basis: Basis,
@@ -28,6 +29,21 @@ impl Rows {
             stride => (vec![(op.n, [op.mat, op.mat + stride])], Vec::new()),
         };
         Rows { basis: basis.clone(), runs, ends, coef: op.coef, first: op.first, n: op.n }
+    }
+
+    /// The slots of the two ends of link `i`.
+    pub fn slots(&self, i: usize) -> [usize; 2] {
+        if let Some(ends) = self.ends.get(i) {
+            return ends.map(|m| m as usize);
+        }
+        let mut i = i;
+        for (n, [a, b]) in &self.runs {
+            if i < *n {
+                return [a + i, b + i];
+            }
+            i -= n;
+        }
+        [0; 2]
     }
 
     /// Those of a pass that integrates, along it and across.

@@ -8,7 +8,9 @@
 //! in the nearest cache. What this cannot do goes by dual numbers, as do scenes that are small or have many links that are not linear.
 
 mod added;
+mod few;
 mod gains;
+mod groups;
 mod link;
 
 use crate::Error;
