@@ -86,18 +86,14 @@ impl<'a> Adjoint<'a> {
         }
         let is_needed = |v: f64| needed[number(v)];
         let (coef, e0) = (&place.initial.coef, &place.layout.e0);
+        let needs = |of: &Rows, k: usize| coef[of.coef + k * of.n..][..of.n].iter().any(|v| is_needed(*v));
         let wanted = |of: Rows| {
-            let mut l = Links::new(of);
-            let c = &coef[l.of.coef..][..l.of.basis.0.len() * l.of.n];
-            l.want(c.iter().any(|v| is_needed(*v)), e0[l.of.first..][..l.of.n].iter().any(|v| is_needed(*v)));
-            (!l.is_idle()).then_some(l)
+            let elongations = e0[of.first..][..of.n].iter().any(|v| is_needed(*v));
+            let coefficients: Vec<bool> = (0..of.basis.0.len()).map(|k| needs(&of, k)).collect();
+            Links::wanted(of, &coefficients, elongations)
         };
         let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.forces[*k], basis));
-        let solved = |k: &usize| {
-            let mut l = wanted(Rows::listed(scene, &scene.forces[*k], &Basis::implicit()))?;
-            l.want_ahead();
-            Some(l)
-        };
+        let solved = |k: &usize| wanted(Rows::listed(scene, &scene.forces[*k], &Basis::implicit())).map(Links::ahead);
         let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.moves[*k], basis);
         let n = scene.layout.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
@@ -377,7 +373,8 @@ impl<'a> Adjoint<'a> {
             }
         }
         for l in self.listed.iter().chain(&self.rows) {
-            for (i, (by_e, by_w)) in l.products[0].iter().zip(&l.products[1]).enumerate() {
+            for i in 0..l.of.n {
+                let [by_e, by_w] = l.products.each_ref().map(|sums| sums.get(i).copied().unwrap_or(0.0));
                 if let Some(ahead) = l.ahead.get(i) {
                     let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
                     let more = ahead - by_w;

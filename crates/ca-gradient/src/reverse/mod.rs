@@ -240,11 +240,13 @@ impl Reverse {
                 }
                 // a frame that the sound cuts short ends with its last sample
                 let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
-                self.drive(tick, given, &mut back, |sample, input, owed| {
-                    if let Some(k) = self.ports.iter().position(|i| *i == input) {
-                        by_inputs[at(sample, k)] += owed;
-                    }
-                });
+                if !self.parts.driven.is_empty() {
+                    self.drive(tick, given, &mut back, |sample, input, owed| {
+                        if let Some(k) = self.ports.iter().position(|i| *i == input) {
+                            by_inputs[at(sample, k)] += owed;
+                        }
+                    });
+                }
                 for (k, i) in self.ports.iter().enumerate() {
                     for (sample, part) in self.given_at(*i, tick) {
                         by_inputs[at(sample, k)] += part * back.inputs[*i];

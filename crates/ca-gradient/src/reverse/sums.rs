@@ -13,7 +13,7 @@ use std::ops::Range;
 pub struct Links {
     /// the links
     pub of: Rows,
-    /// sums of φe and φw, where a coefficient is to have its due
+    /// sums of φe and φw, each where a coefficient is to have its due
     pub products: [Vec<f64>; 2],
     /// of implicit links, sums of φ with the change of elongation in the tick that follows
     pub ahead: Vec<f64>,
@@ -22,31 +22,38 @@ pub struct Links {
 }
 
 impl Links {
-    /// Of these links, nothing of which is summed yet.
-    pub fn new(of: Rows) -> Links {
-        Links { of, products: Default::default(), ahead: Vec::new(), alone: Vec::new() }
+    /// Of these links, of which some parameter changes these coefficients, and constant elongations; `None` where it changes nothing.
+    pub fn wanted(of: Rows, coefficients: &[bool], elongations: bool) -> Option<Links> {
+        let sums = |wanted: bool| vec![0.0; if wanted { of.n } else { 0 }];
+        let each = || of.basis.0.iter().zip(coefficients).filter(|(_, wanted)| **wanted);
+        // of links that are solved for, a coefficient that is in neither product is in both and in that with the motion to come
+        let all = each().any(|(basis, _)| *basis == [0.0; 2]);
+        let products = [0, 1].map(|k| sums(all || each().any(|(basis, _)| basis[k] != 0.0)));
+        let alone = sums(elongations);
+        (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), alone })
     }
 
-    /// Sums what some parameter changes.
-    pub fn want(&mut self, coefficients: bool, elongations: bool) {
-        let n = |wanted: bool| if wanted { self.of.n } else { 0 };
-        self.products = [vec![0.0; n(coefficients)], vec![0.0; n(coefficients)]];
-        self.alone = vec![0.0; n(elongations)];
-    }
-
-    /// The same of links that are solved for.
-    pub fn want_ahead(&mut self) {
-        self.ahead = vec![0.0; self.products[0].len()];
-    }
-
-    /// True where nothing is summed.
-    pub fn is_idle(&self) -> bool {
-        self.products[0].is_empty() && self.alone.is_empty()
+    /// The same of links that are solved for, each product of which counts for all coefficients.
+    pub fn ahead(mut self) -> Links {
+        let n = self.products.iter().map(Vec::len).max().unwrap_or(0);
+        self.products = [vec![0.0; n], vec![0.0; n]];
+        self.ahead = vec![0.0; n];
+        self
     }
 
     /// Adds some ticks of the links of rows whose first ends are among these slots.
     #[inline(always)]
     fn add(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
+        match self.products.each_ref().map(Vec::is_empty) {
+            [false, true] => self.add_runs::<true, false>(ticks, e0, slots),
+            [true, false] => self.add_runs::<false, true>(ticks, e0, slots),
+            _ => self.add_runs::<true, true>(ticks, e0, slots),
+        }
+    }
+
+    /// The same, with sums of φe (`E`) and of φw (`W`).
+    #[inline(always)]
+    fn add_runs<const E: bool, const W: bool>(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
         let e0 = &e0[self.of.first..][..self.of.n];
         let mut from = 0;
         for row in 0..self.of.runs.len() {
@@ -55,12 +62,12 @@ impl Links {
             while i < n && a + i < slots.end {
                 if n < LANES {
                     for i in 0..n {
-                        self.some::<1>(ticks, e0, [a + i, b + i], from + i, 0);
+                        self.some::<1, E, W>(ticks, e0, [a + i, b + i], from + i, 0);
                     }
                 } else {
                     // the last of a row begin among those before them
                     let at = i.min(n - LANES);
-                    self.some::<LANES>(ticks, e0, [a + at, b + at], from + at, i - at);
+                    self.some::<LANES, E, W>(ticks, e0, [a + at, b + at], from + at, i - at);
                 }
                 i += LANES;
             }
@@ -73,24 +80,36 @@ impl Links {
     fn add_listed(&mut self, ticks: &Seen, e0: &[f64]) {
         let e0 = &e0[self.of.first..][..self.of.n];
         for i in 0..self.of.ends.len() {
-            self.some::<1>(ticks, e0, self.of.ends[i].map(|m| m as usize), i, 0);
+            self.some::<1, true, true>(ticks, e0, self.of.ends[i].map(|m| m as usize), i, 0);
         }
     }
 
     /// Adds some ticks of `N` links of a row, the first of which has these ends and is the one at `at`; the first `but` of them are left
     /// out.
     #[inline(always)]
-    fn some<const N: usize>(&mut self, ticks: &Seen, e0: &[f64], [a, b]: [usize; 2], at: usize, but: usize) {
+    fn some<const N: usize, const E: bool, const W: bool>(
+        &mut self,
+        ticks: &Seen,
+        e0: &[f64],
+        [a, b]: [usize; 2],
+        at: usize,
+        but: usize,
+    ) {
         let Some(e0) = lanes::<N>(e0, at) else { return };
         let [mut by_e, mut by_w] = [[0.0; N]; 2];
         for [now, _, owed] in ticks.each() {
             let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
-            let (Some(xa), Some(xb)) = (lanes::<N>(now, a), lanes::<N>(now, b)) else { break };
-            let (Some(da), Some(db)) = (lanes::<N>(now, ticks.d + a), lanes::<N>(now, ticks.d + b)) else { break };
-            for i in 0..N {
-                let phi = oa[i] - ob[i];
-                by_e[i] += phi * (xb[i] - xa[i] + e0[i]);
-                by_w[i] += phi * (db[i] - da[i]);
+            if E {
+                let (Some(xa), Some(xb)) = (lanes::<N>(now, a), lanes::<N>(now, b)) else { break };
+                for i in 0..N {
+                    by_e[i] += (oa[i] - ob[i]) * (xb[i] - xa[i] + e0[i]);
+                }
+            }
+            if W {
+                let (Some(da), Some(db)) = (lanes::<N>(now, ticks.d + a), lanes::<N>(now, ticks.d + b)) else { break };
+                for i in 0..N {
+                    by_w[i] += (oa[i] - ob[i]) * (db[i] - da[i]);
+                }
             }
         }
         let [to_e, to_w] = &mut self.products;
