@@ -90,20 +90,29 @@ fn random(seed: u64) -> String {
     t
 }
 
+fn is_drawn(seed: u64) {
+    let text = random(seed);
+    let scene = compiled(&text, "random.ca.toml");
+    let d = Drawing::new(&scene);
+    let name = format!("random {seed}");
+    check(&name, &scene, &d);
+    views(&name, &scene, &d, 5);
+    let few = Drawing::of_at_most(&scene, 10);
+    assert!(few.masses() <= d.masses(), "{name}");
+    let p = page(&few);
+    assert!(p.links.iter().all(|(_, _, [a, b])| a.max(b) < &p.n && a != b), "{name}");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn what_is_linked_at_random_is_drawn(seed in any::<u64>()) {
-        let text = random(seed);
-        let scene = compiled(&text, "random.ca.toml");
-        let d = Drawing::new(&scene);
-        let name = format!("random {seed}");
-        check(&name, &scene, &d);
-        views(&name, &scene, &d, 5);
-        let few = Drawing::of_at_most(&scene, 10);
-        prop_assert!(few.masses() <= d.masses());
-        let p = page(&few);
-        prop_assert!(p.links.iter().all(|(_, _, [a, b])| a.max(b) < &p.n && a != b));
+        is_drawn(seed);
     }
+}
+
+#[test]
+fn two_banks_tied_to_one_mass_in_space_along_two_axes_are_drawn() {
+    is_drawn(10_990_588_236_738_511_851);
 }
