@@ -238,7 +238,8 @@ pub struct RenderArgs {
     /// `--kernel reference`. Small scenes are slower by it
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
     pub threads: u8,
-    /// Which passes run the links; `reference` is slower, link by link, and may round otherwise
+    /// Which passes run the links; `reference` is slower, link by link, and may sum forces in another order: samples are then
+    /// the same to rounding, which collisions may amplify to another course of the sound
     #[arg(long, value_enum, default_value_t = Kernel::Fast)]
     pub kernel: Kernel,
     /// Prints nothing but warnings and errors

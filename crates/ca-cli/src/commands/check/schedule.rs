@@ -138,8 +138,11 @@ fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
 
 /// What a scene could have and this one has not.
 fn absent(scene: &Scene) -> Vec<&'static str> {
+    // `high pass of motion` is a high pass too
+    let is =
+        |own: &str, name: &str| own.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(" of "));
     let any = |name: &str| {
-        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| o.name == name)
+        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| is(o.name, name))
     };
     let space = scene.symbols.iter().any(|s| s.axes > 1);
     let absent = [
