@@ -3,6 +3,7 @@
 mod closed;
 mod drawn;
 mod energy;
+mod few;
 mod reference;
 mod refused;
 mod reverse;
