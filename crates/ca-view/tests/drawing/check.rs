@@ -104,10 +104,12 @@ pub fn check(name: &str, scene: &Scene, d: &Drawing) {
     for i in (0..p.n).filter(|i| !p.space[*i] && p.kinds[*i] != "@") {
         let Some(other) = taken.insert(cell(p.rest[i]), i) else { continue };
         // strings and meshes that are tied to masses in space, along their axes, may cross there, and banks along two axes
+        // (not in two directions of one)
         let names = [i, other].map(|i| d.scene_mass(i).and_then(|m| scene.symbols.get(m)).map(|s| s.name));
         let cross = match &names {
             [Some(a), Some(b)] => {
-                let bodies = (a.index, b.index) != (Index::None, Index::None) || p.axis[i] != p.axis[other];
+                let bodies = (a.index, b.index) != (Index::None, Index::None)
+                    || p.axis[i].map(f64::abs) != p.axis[other].map(f64::abs);
                 a.of != b.of && bodies && p.space.contains(&true)
             }
             _ => false,
