@@ -43,6 +43,13 @@ fn check_tells_what_it_knows() {
     let links: Vec<_> = j["schedule"]["passes"].as_array().unwrap().iter().filter(|p| !p["stride"].is_null()).collect();
     let [contact, mesh] = links[..] else { panic!("{links:?}") };
     assert_eq!((&contact["modules"], &mesh["modules"]), (&1.into(), &j["summary"]["modules"]["RES"]));
+    // a high pass of motion is a high pass
+    desk.put(
+        "speed.ca.toml",
+        "[CEL]\nc = { m = 1e-3, f = 200, v = 1 }\n[SOX]\no = { from = \"c\", hear = \"speed\", dc = \"20 Hz\" }\n",
+    );
+    let r = desk.ca(&["check", "speed.ca.toml", "--schedule"]).is(0).says(&["high pass of motion", "no low-pass"]);
+    assert!(!r.out.contains("no high pass"), "{}", r.out);
     // an implicit contact comes after all explicit forces
     let r = desk.ca(&["check", "struck.ca.toml", "--schedule", "--set", "strike.method=stable"]).is(0);
     let place = |w: &str| r.out.rfind(w).unwrap_or_else(|| panic!("no {w}"));
