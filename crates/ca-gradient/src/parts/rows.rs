@@ -6,7 +6,6 @@ use ca_core::op::{Band, Op};
 use ca_core::state::Fold;
 
 /// The linear links of a pass.
-#[derive(Clone)]
 pub struct Rows {
     /// what their law is made of
     pub basis: Basis,
@@ -31,19 +30,10 @@ impl Rows {
         Rows { basis: basis.clone(), runs, ends, coef: op.coef, first: op.first, n: op.n }
     }
 
-    /// The slots of the two ends of link `i`.
-    pub fn slots(&self, i: usize) -> [usize; 2] {
-        if let Some(ends) = self.ends.get(i) {
-            return ends.map(|m| m as usize);
-        }
-        let mut i = i;
-        for (n, [a, b]) in &self.runs {
-            if i < *n {
-                return [a + i, b + i];
-            }
-            i -= n;
-        }
-        [0; 2]
+    /// The slots of the two ends of each link.
+    pub fn slots(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let in_runs = self.runs.iter().flat_map(|(n, [a, b])| (0..*n).map(move |i| [a + i, b + i]));
+        in_runs.chain(self.ends.iter().map(|ends| ends.map(|m| m as usize)))
     }
 
     /// Those of a pass that integrates, along it and across.

@@ -26,19 +26,16 @@ impl Links {
     pub fn wanted(of: Rows, coefficients: &[bool], elongations: bool) -> Option<Links> {
         let sums = |wanted: bool| vec![0.0; if wanted { of.n } else { 0 }];
         let each = || of.basis.0.iter().zip(coefficients).filter(|(_, wanted)| **wanted);
-        // of links that are solved for, θ is in neither: what is owed to it goes by φw and by the sum with the motion to come
-        let all = each().any(|(basis, _)| *basis == [0.0; 2]);
-        let products = [0, 1].map(|k| sums(all || each().any(|(basis, _)| basis[k] != 0.0)));
+        let products = [0, 1].map(|k| sums(each().any(|(basis, _)| basis[k] != 0.0)));
         let alone = sums(elongations);
         (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), alone })
     }
 
     /// The same of links that are solved for: k goes by all three products, z and θ by φw and that with the motion to come, and
-    /// all are kept where any of these is wanted.
+    /// all are kept.
     pub fn ahead(mut self) -> Links {
-        let n = self.products.iter().map(Vec::len).max().unwrap_or(0);
-        self.products = [vec![0.0; n], vec![0.0; n]];
-        self.ahead = vec![0.0; n];
+        let sums = || vec![0.0; self.of.n];
+        (self.products, self.ahead) = ([sums(), sums()], sums());
         self
     }
 

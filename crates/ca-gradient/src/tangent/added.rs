@@ -65,37 +65,34 @@ impl Changes<'_> {
         (0..n).map(of).collect()
     }
 
-    /// Puts what each parameter adds to those of a list, or to masses, where they are few or many.
-    fn put(
-        &self,
-        (groups, few): &mut (Groups, Few),
-        list: Option<usize>,
-        of: impl Fn(&[f64]) -> Vec<[f64; 3]>,
-        on: impl Fn(usize) -> On,
-    ) {
+    /// What each parameter adds to those of a list, or to masses, which are `on` these: where it changes few, into `few`.
+    fn split(&self, few: &mut Few, on: &[On], of: impl Fn(&[f64]) -> Vec<[f64; 3]>) -> Vec<Terms> {
         let mut many = Vec::new();
         for (q, column) in self.columns.iter().enumerate() {
             let all = of(column);
-            let changed = || all.iter().enumerate().filter(|(_, by)| **by != [0.0; 3]);
+            let changed = || on.iter().zip(&all).filter(|(_, by)| **by != [0.0; 3]);
             if changed().count() > FEW {
                 many.push(terms(&all));
             } else {
-                changed().for_each(|(i, by)| few.put(q, on(i), *by, self.ticks));
+                changed().for_each(|(on, by)| few.put(q, *on, *by, self.ticks));
                 many.push(Terms::default());
             }
         }
-        groups.put(list, &many);
+        many
     }
 
     /// All of some lists of links.
-    fn lists(&self, lists: impl Iterator<Item = Rows>) -> (Groups, Few) {
-        let lists: Vec<Rows> = lists.collect();
-        let mut to = (Groups::new(lists.clone()), Few::new(self.columns.len()));
-        for (list, links) in lists.iter().enumerate() {
-            let on = |i: usize| On::Link(links.slots(i), self.scene.layout.e0[links.first + i]);
-            self.put(&mut to, Some(list), |column| self.of_links(links, column), on);
-        }
-        to
+    fn lists(&self, lists: Vec<Rows>) -> (Groups, Few) {
+        let mut few = Few::new(self.columns.len());
+        let of = |links: &Rows| {
+            let e0 = &self.scene.layout.e0[links.first..];
+            let on: Vec<On> = links.slots().zip(e0).map(|(slots, e0)| On::Link(slots, *e0)).collect();
+            self.split(&mut few, &on, |column| self.of_links(links, column))
+        };
+        let many: Vec<Vec<Terms>> = lists.iter().map(of).collect();
+        let mut groups = Groups::new(lists);
+        many.iter().enumerate().for_each(|(list, by)| groups.put(Some(list), by));
+        (groups, few)
     }
 }
 
@@ -106,8 +103,10 @@ impl Added {
         let changes = Changes { scene, place, columns, ticks };
         let listed = parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.forces[*k], basis));
         let rows = parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.moves[*k], basis));
-        let (mut sums, mut moves) = (changes.lists(listed), changes.lists(rows));
-        changes.put(&mut moves, None, |column| changes.of_masses(column), On::Mass);
+        let (mut sums, mut moves) = (changes.lists(listed.collect()), changes.lists(rows.collect()));
+        let masses: Vec<On> = (0..scene.layout.n_mat).map(On::Mass).collect();
+        let many = changes.split(&mut moves.1, &masses, |column| changes.of_masses(column));
+        moves.0.put(None, &many);
         for (groups, _) in [&mut sums, &mut moves] {
             groups.begin(ticks, scene.layout.n_mat);
         }
