@@ -11,6 +11,7 @@ pub mod outputs;
 pub mod placed;
 pub mod record;
 pub mod rows;
+pub mod small;
 
 use alone::slots;
 use ca_core::Scene;
@@ -32,8 +33,6 @@ pub struct Parts {
     pub sets: Vec<usize>,
     /// those that go by the sum of the forces
     pub last: Vec<Link>,
-    /// passes that move masses, as indices into [`Scene::moves`]
-    pub moves: Vec<usize>,
     /// slots that a port moves, that stand between others or go by modes
     pub held: Vec<usize>,
     /// outputs that hear forces, by their taps
@@ -133,7 +132,6 @@ impl Parts {
             rows: Vec::new(),
             links: Vec::new(),
             last: Vec::new(),
-            moves: Vec::new(),
             held: ports
                 .map(|p| p.mat)
                 .chain(scene.layout.moving_points.iter().map(|p| p.mat))
@@ -214,11 +212,9 @@ impl Parts {
         for (k, op) in scene.moves.iter().enumerate() {
             match (op.law, op.name) {
                 (Some(_), _) => parts.rows.push((k, basis(op).ok_or_else(|| pass(op))?)),
-                (None, "integrate MAS" | "integrate CEL") => {}
-                (None, "flush") => continue,
+                (None, "integrate MAS" | "integrate CEL" | "flush") => {}
                 (None, _) => return Err(pass(op)),
             }
-            parts.moves.push(k);
         }
         let sums = scene
             .layout

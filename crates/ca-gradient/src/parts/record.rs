@@ -85,6 +85,11 @@ impl Record {
         }
     }
 
+    /// The motions that tick `k` began with; behind the last those that it made.
+    pub fn motions(&self, k: usize) -> &[f64] {
+        &self.all[k * self.width..][self.kinds[1].clone()]
+    }
+
     /// All numbers of `n` ticks from `k` on, how many a tick has, and where its motions stand; its places come first.
     pub fn rows(&self, k: usize, n: usize) -> (&[f64], usize, usize) {
         (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)

@@ -12,12 +12,14 @@
 
 use crate::parts::record::{Record, Row, whole_lines};
 use crate::parts::rows::Rows;
+use crate::parts::small::Small;
 use crate::parts::{Basis, Link, Parts, number, unknown};
 use crate::reverse::heard::{Outputs, Owed};
 use crate::reverse::single::{Pairs, Single, Way};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
 use ca_core::numeric::Aligned;
+use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
 
@@ -28,6 +30,10 @@ pub struct Adjoint<'a> {
     /// that of the scene, without constant elongations
     layout: Layout,
     a: State,
+    /// passes that have few links or masses, and all others of linear links and of motion
+    small: Small,
+    linear: Vec<&'a Op>,
+    moves: Vec<&'a Op>,
     /// what is heard
     pub outputs: Outputs,
     links: Vec<Single>,
@@ -103,6 +109,9 @@ impl<'a> Adjoint<'a> {
         let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
         let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
         let outputs = Outputs::of(scene);
+        let (small, mut linear, mut moves) = Small::of(scene, parts);
+        linear.extend(parts.implicit.iter().map(|k| &scene.forces[*k]));
+        moves.retain(|op| op.name != "flush");
         let mut adjoint = Adjoint {
             links: singles(&parts.links)?,
             last: singles(&parts.last)?,
@@ -127,6 +136,9 @@ impl<'a> Adjoint<'a> {
             heard: HeardLink::all(scene, parts, place),
             layout,
             a,
+            small,
+            linear,
+            moves,
             outputs,
             scene,
             parts,
@@ -275,11 +287,10 @@ impl<'a> Adjoint<'a> {
             b
         });
         let layout = &self.layout;
-        for k in self.parts.linear.iter().map(|(k, _)| k).chain(&self.parts.implicit) {
-            let op = &self.scene.forces[*k];
-            (op.kernel)(op, layout, a);
-            if let Some(b) = &mut forced {
-                (op.kernel)(op, layout, b);
+        for s in [Some(&mut *a), forced.as_mut()].into_iter().flatten() {
+            self.small.pull(s);
+            for op in &self.linear {
+                (op.kernel)(op, layout, s);
             }
         }
         for ([x, d], m) in self.before.iter().copied().zip(summed) {
@@ -335,16 +346,16 @@ impl<'a> Adjoint<'a> {
                 b.f[*m] = 0.0;
             }
             b.d.copy_from_slice(&a.x);
-            for k in &self.parts.moves {
-                let op = &self.scene.moves[*k];
+            for op in &self.moves {
                 (op.kernel)(op, layout, &mut b);
             }
+            self.small.integrate(&mut b);
             self.first.copy_from_slice(&b.d);
         }
-        for k in &self.parts.moves {
-            let op = &self.scene.moves[*k];
+        for op in &self.moves {
             (op.kernel)(op, layout, a);
         }
+        self.small.integrate(a);
         for m in &self.moved {
             late[*m] = std::mem::take(&mut now[*m]);
         }

@@ -5,19 +5,21 @@
 //! force after division by C. Decides to find these forces for some ticks before any derivative is played: by vectors where many
 //! numbers change ([`groups`](super::groups)), one by one where few do ([`few`](super::few)).
 
-use super::few::{FEW, Few, On};
+use super::few::{Few, On};
 use super::groups::{Groups, Terms};
 use crate::parts::record::Row;
 use crate::parts::rows::Rows;
+use crate::parts::small::FEW;
 use crate::parts::{Parts, number};
 use ca_core::{Scene, State};
 
 /// All of a scene.
 pub struct Added {
-    /// of links whose forces are summed by themselves
-    sums: (Groups, Few),
-    /// of those of rows that integrate, and of masses
-    moves: (Groups, Few),
+    /// what is there at the beginning of a tick: of links whose forces are summed by themselves
+    first: (Groups, Few),
+    /// what comes behind all sums that are read: of links of rows that integrate, and of masses; where none is read it stands
+    /// in `first` too
+    behind: (Groups, Few),
     /// for each parameter, slots and weight that is added
     weight: Vec<Vec<(usize, f64)>>,
 }
@@ -90,7 +92,7 @@ impl Changes<'_> {
             self.split(&mut few, &on, |column| self.of_links(links, column))
         };
         let many: Vec<Vec<Terms>> = lists.iter().map(of).collect();
-        let mut groups = Groups::new(lists);
+        let mut groups = Groups::new(lists, &self.scene.layout.e0);
         many.iter().enumerate().for_each(|(list, by)| groups.put(Some(list), by));
         (groups, few)
     }
@@ -101,13 +103,20 @@ impl Added {
     /// among them; for so many ticks at a time.
     pub fn new(scene: &Scene, parts: &Parts, place: &Scene, columns: &[&[f64]], ticks: usize) -> Added {
         let changes = Changes { scene, place, columns, ticks };
-        let listed = parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.forces[*k], basis));
-        let rows = parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.moves[*k], basis));
-        let (mut sums, mut moves) = (changes.lists(listed.collect()), changes.lists(rows.collect()));
+        let mut first: Vec<Rows> =
+            parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.forces[*k], basis)).collect();
+        let mut behind: Vec<Rows> =
+            parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.moves[*k], basis)).collect();
+        let read = !parts.summed.is_empty();
+        if !read {
+            first.append(&mut behind);
+        }
+        let (mut first, mut behind) = (changes.lists(first), changes.lists(behind));
+        let of_masses = if read { &mut behind } else { &mut first };
         let masses: Vec<On> = (0..scene.layout.n_mat).map(On::Mass).collect();
-        let many = changes.split(&mut moves.1, &masses, |column| changes.of_masses(column));
-        moves.0.put(None, &many);
-        for (groups, _) in [&mut sums, &mut moves] {
+        let many = changes.split(&mut of_masses.1, &masses, |column| changes.of_masses(column));
+        of_masses.0.put(None, &many);
+        for (groups, _) in [&mut first, &mut behind] {
             groups.begin(ticks, scene.layout.n_mat);
         }
         let weighed = |column: &&[f64]| {
@@ -116,30 +125,30 @@ impl Added {
             let by = each.map(|(m, at)| (*m as usize, column[number(place.initial.coef[at])]));
             by.filter(|(_, v)| *v != 0.0).collect()
         };
-        Added { sums, moves, weight: columns.iter().map(weighed).collect() }
+        Added { first, behind, weight: columns.iter().map(weighed).collect() }
     }
 
     /// Finds what is added in tick `k` of those at a time, which began with `row`; `next` are the motions behind it.
-    pub fn measure(&mut self, scene: &Scene, k: usize, row: &Row, next: &[f64]) {
-        for (groups, few) in [&mut self.sums, &mut self.moves] {
-            groups.measure(&scene.layout.e0, k, row, next);
+    pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
+        for (groups, few) in [&mut self.first, &mut self.behind] {
+            groups.measure(k, row, next);
             few.measure(k, row, next);
         }
     }
 
-    /// Adds to the derivatives by parameter `q` in tick `k` what links that are summed by themselves and weight do.
-    pub fn add_to_sums(&self, k: usize, q: usize, to: &mut State) {
+    /// Begins tick `k` of the derivatives by parameter `q`, which have no force yet.
+    pub fn begin(&mut self, k: usize, q: usize, to: &mut State) {
+        let (groups, few) = &mut self.first;
+        groups.give(k, q, &mut to.f);
+        few.add(k, q, &mut to.f);
         for (m, v) in &self.weight[q] {
             to.f[*m] += v;
         }
-        let (groups, few) = &self.sums;
-        groups.add(k, q, &mut to.f);
-        few.add(k, q, &mut to.f);
     }
 
-    /// Adds what links of rows and masses do.
-    pub fn add_to_moves(&self, k: usize, q: usize, to: &mut State) {
-        let (groups, few) = &self.moves;
+    /// Adds what comes behind all sums that are read.
+    pub fn add_behind(&self, k: usize, q: usize, to: &mut State) {
+        let (groups, few) = &self.behind;
         groups.add(k, q, &mut to.f);
         few.add(k, q, &mut to.f);
     }

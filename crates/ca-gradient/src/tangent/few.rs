@@ -6,9 +6,6 @@
 use crate::parts::record::Row;
 use ca_core::numeric::Aligned;
 
-/// As many of a list, or masses.
-pub const FEW: usize = 4;
-
 /// What a force is added to.
 #[derive(Clone, Copy)]
 pub enum On {

@@ -3,11 +3,11 @@
 //! Decides to find them once for all parameters that change the numbers of a list by multiples of the same: mass, pitch and decay of
 //! a string all do so.
 
-use crate::parts::record::{Row, whole_lines};
+use crate::parts::record::Row;
 use crate::parts::rows::Rows;
 use ca_core::numeric::Aligned;
 use ca_core_dual::numeric::TANGENTS;
-use pulp::Arch;
+use pulp::{Arch, Simd};
 
 /// What is added, per number: to the force of a link per e, per w and by itself, or to that on a mass per d, x and d'; empty where
 /// it is 0 throughout (links or slots, or none).
@@ -19,16 +19,26 @@ struct Group {
     /// by list
     links: Vec<(usize, Terms)>,
     masses: Terms,
-    /// for each tick, the forces (ticks x slots)
+    /// the forces of a tick, in passing (slots)
     forces: Aligned,
+}
+
+/// What one parameter adds.
+#[derive(Default)]
+struct Own {
+    /// the groups it has a share in
+    shares: Vec<(usize, f64)>,
+    /// for each tick the forces (slots); none where it has no share
+    forces: Vec<Aligned>,
 }
 
 /// What is added to some forces.
 pub struct Groups {
-    lists: Vec<Rows>,
+    arch: Arch,
+    /// each with its constant elongations, none where these are 0
+    lists: Vec<(Rows, Aligned)>,
     all: Vec<Group>,
-    /// of each parameter, the groups it has a share in
-    of: [Vec<(usize, f64)>; TANGENTS],
+    of: [Own; TANGENTS],
     /// forces of links, in passing
     room: Aligned,
 }
@@ -71,9 +81,16 @@ impl Group {
 
 impl Groups {
     /// None yet, of these lists.
-    pub fn new(lists: Vec<Rows>) -> Groups {
+    pub fn new(lists: Vec<Rows>, e0: &[f64]) -> Groups {
         let room = Aligned::zeros(lists.iter().map(|l| l.n).max().unwrap_or(0));
-        Groups { lists, all: Vec::new(), of: Default::default(), room }
+        let with_own = |l: Rows| {
+            let own = &e0[l.first..][..l.n];
+            let any = own.iter().any(|v| *v != 0.0);
+            let own = Aligned::from(if any { own } else { &[] });
+            (l, own)
+        };
+        let lists = lists.into_iter().map(with_own).collect();
+        Groups { arch: Arch::new(), lists, all: Vec::new(), of: Default::default(), room }
     }
 
     /// Adds the terms of each parameter, for the links of a list or for masses (`None`).
@@ -99,202 +116,215 @@ impl Groups {
     /// Makes room for so many ticks at a time of so many slots, when all is put.
     pub fn begin(&mut self, ticks: usize, slots: usize) {
         for (k, group) in self.all.iter_mut().enumerate() {
-            group.forces = Aligned::zeros(ticks * whole_lines(slots));
+            group.forces = Aligned::zeros(slots);
             for (of, share) in self.of.iter_mut().zip(group.shares).filter(|(_, share)| *share != 0.0) {
-                of.push((k, share));
+                of.shares.push((k, share));
+                of.forces.resize_with(ticks, || Aligned::zeros(slots));
             }
         }
     }
 
     /// Finds the forces of tick `k`, with the widest vectors of this processor.
-    pub fn measure(&mut self, e0: &[f64], k: usize, row: &Row, next: &[f64]) {
+    pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
         if !self.all.is_empty() {
-            let Groups { lists, all: groups, room, .. } = self;
-            Arch::new().dispatch(Tick { lists, groups, k, row, next, e0, room });
+            let Groups { arch, lists, all: groups, room, of } = self;
+            arch.dispatch(Tick { lists, groups, of, k, row, next, room });
+        }
+    }
+
+    /// Gives the derivatives by parameter `q` the forces of tick `k` for theirs, which are all 0, and keeps their array for other
+    /// forces: nothing is copied.
+    pub fn give(&mut self, k: usize, q: usize, f: &mut Aligned) {
+        if let Some(own) = self.of[q].forces.get_mut(k) {
+            core::mem::swap(own, f);
         }
     }
 
     /// Adds the forces of tick `k` to the derivatives by parameter `q`.
     pub fn add(&self, k: usize, q: usize, f: &mut [f64]) {
-        let of = &self.of[q][..];
-        if !of.is_empty() {
-            Arch::new().dispatch(Shares { groups: &self.all, of, k, f });
+        if let Some(own) = self.of[q].forces.get(k) {
+            f.iter_mut().zip(own).for_each(|(f, own)| *f += own);
         }
     }
 }
 
 /// One tick, with the widest vectors of this processor; what it calls must be inlined into it.
 struct Tick<'a> {
-    lists: &'a [Rows],
+    lists: &'a [(Rows, Aligned)],
     groups: &'a mut [Group],
+    of: &'a mut [Own],
     k: usize,
     row: &'a Row<'a>,
     next: &'a [f64],
-    e0: &'a [f64],
     room: &'a mut [f64],
 }
 
 impl pulp::WithSimd for Tick<'_> {
     type Output = ();
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Tick { lists, groups, k, row, next, e0, room } = self;
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Tick { lists, groups, of, k, row, next, room } = self;
         let n = row.x.len();
-        for Group { links: terms, masses: [by_d, by_x, by_next], forces, .. } in groups {
-            let f = &mut forces[k * whole_lines(n)..][..n];
-            match (by_d.get(..n), by_next.get(..n)) {
-                (Some(by_d), Some(by_next)) => put_both(f, [by_d, by_next], [row.d, next]),
-                (Some(by_d), None) => put_products(f, by_d, row.d),
-                (None, Some(by_next)) => put_products(f, by_next, next),
-                (None, None) => f.fill(0.0),
+        for Group { links: terms, masses: [by_d, by_x, by_next], forces, .. } in &mut *groups {
+            let f = &mut forces[..n];
+            match by_d.get(..n) {
+                Some(by_d) => put_products(simd, f, [by_d, row.d]),
+                None => f.fill(0.0),
             }
-            add_products(f, by_x, row.x);
+            for (by, of) in [(by_x, row.x), (by_next, next)] {
+                if let Some(by) = by.get(..n) {
+                    add_products(simd, f, [by, of]);
+                }
+            }
             for (list, [by_e, by_w, constant]) in &*terms {
-                let links = &lists[*list];
-                let (e0, force) = (&e0[links.first..][..links.n], &mut room[..links.n]);
+                let (links, e0) = &lists[*list];
+                let force = &mut room[..links.n];
                 let mut from = 0;
                 for (n, [a, b]) in &links.runs {
                     let force = &mut force[from..][..*n];
-                    let [xa, xb] = [&row.x[*a..][..*n], &row.x[*b..][..*n]];
-                    let [da, db] = [&row.d[*a..][..*n], &row.d[*b..][..*n]];
-                    let e0 = &e0[from..][..*n];
-                    match (by_e.get(from..from + n), by_w.get(from..from + n)) {
-                        (Some(by_e), Some(by_w)) => both([by_e, by_w], e0, [xa, xb], [da, db], force),
-                        (Some(by_e), None) => elongations(by_e, e0, [xa, xb], force),
-                        (None, Some(by_w)) => differences(by_w, [da, db], force),
+                    let x = [&row.x[*a..][..*n], &row.x[*b..][..*n]];
+                    let d = [&row.d[*a..][..*n], &row.d[*b..][..*n]];
+                    let own = from..from + n;
+                    let e0 = e0.get(own.clone());
+                    match (by_e.get(own.clone()), by_w.get(own.clone())) {
+                        (Some(by_e), Some(by_w)) => {
+                            elongations(simd, force, by_e, e0, x);
+                            add_differences(simd, force, by_w, d);
+                        }
+                        (Some(by_e), None) => elongations(simd, force, by_e, e0, x),
+                        (None, Some(by_w)) => differences(simd, force, by_w, d),
                         (None, None) => force.fill(0.0),
                     }
-                    if let Some(constant) = constant.get(from..from + n) {
-                        add(force, constant);
+                    if let Some(constant) = constant.get(own) {
+                        add(simd, force, constant);
                     }
-                    pull(f, [*a, *b], force);
+                    pull(simd, f, [*a, *b], force);
                     from += n;
                 }
                 for (i, [a, b]) in links.ends.iter().enumerate() {
                     let (a, b) = (*a as usize, *b as usize);
                     let of = |by: &[f64], v: f64| by.get(i).map_or(0.0, |by| by * v);
-                    let e = row.x[b] - row.x[a] + e0[i];
+                    let e = row.x[b] - row.x[a] + e0.get(i).unwrap_or(&0.0);
                     let force = of(by_e, e) + of(by_w, row.d[b] - row.d[a]) + of(constant, 1.0);
                     f[a] += force;
                     f[b] -= force;
                 }
             }
         }
-    }
-}
-
-/// The shares of a parameter in one tick.
-struct Shares<'a> {
-    groups: &'a [Group],
-    of: &'a [(usize, f64)],
-    k: usize,
-    f: &'a mut [f64],
-}
-
-impl pulp::WithSimd for Shares<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Shares { groups, of, k, f } = self;
-        let n = f.len();
-        let at = k * whole_lines(n);
-        let (pairs, single) = of.as_chunks::<2>();
-        for [(a, share), (b, other)] in pairs {
-            add_shares(f, [*share, *other], [&groups[*a].forces[at..][..n], &groups[*b].forces[at..][..n]]);
-        }
-        for (a, share) in single {
-            add_share(f, *share, &groups[*a].forces[at..][..n]);
+        for Own { shares, forces } in of {
+            let Some(f) = forces.get_mut(k) else { continue };
+            let (f, of) = (&mut f[..n], |(g, share): &(usize, f64)| (*share, &groups[*g].forces[..n]));
+            let rest = match &shares[..] {
+                [a, b, rest @ ..] => {
+                    put_shares(simd, f, [of(a), of(b)]);
+                    rest
+                }
+                [a, rest @ ..] => {
+                    put_share(simd, f, of(a));
+                    rest
+                }
+                [] => &[],
+            };
+            for one in rest {
+                add_share(simd, f, of(one));
+            }
         }
     }
 }
 
 /// The forces of a row of links whose first has these ends, on one end and the opposite on the other.
 #[inline(always)]
-fn pull(f: &mut [f64], [a, b]: [usize; 2], force: &[f64]) {
+fn pull<S: Simd>(simd: S, f: &mut [f64], [a, b]: [usize; 2], force: &[f64]) {
     let (n, step) = (force.len(), b.saturating_sub(a));
     if b <= a || step >= n {
-        add(&mut f[a..][..n], force);
-        subtract(&mut f[b..][..n], force);
+        add(simd, &mut f[a..][..n], force);
+        subtract(simd, &mut f[b..][..n], force);
         return;
     }
-    add(&mut f[a..b], &force[..step]);
-    // what lies between is the second end of one and the first of another
-    let between = &mut f[b..][..n - step];
-    for ((to, next), last) in between.iter_mut().zip(&force[step..]).zip(force) {
-        *to += next - last;
-    }
-    subtract(&mut f[a + n..][..step], &force[n - step..]);
+    add(simd, &mut f[a..b], &force[..step]);
+    add_between(simd, &mut f[b..][..n - step], [&force[step..], force]);
+    subtract(simd, &mut f[a + n..][..step], &force[n - step..]);
 }
 
-// each a function of its own, so that the compiler knows that what is written is none of what is read
-
-#[inline(always)]
-fn both([by_e, by_w]: [&[f64]; 2], e0: &[f64], [xa, xb]: [&[f64]; 2], [da, db]: [&[f64]; 2], to: &mut [f64]) {
-    let each = to.iter_mut().zip(by_e).zip(by_w).zip(e0).zip(xa).zip(xb).zip(da).zip(db);
-    for (((((((to, by_e), by_w), e0), xa), xb), da), db) in each {
-        *to = by_e * (xb - xa + e0) + by_w * (db - da);
-    }
-}
-
-#[inline(always)]
-fn elongations(by: &[f64], e0: &[f64], [a, b]: [&[f64]; 2], to: &mut [f64]) {
-    for ((((to, by), e0), a), b) in to.iter_mut().zip(by).zip(e0).zip(a).zip(b) {
-        *to = by * (b - a + e0);
-    }
-}
-
-#[inline(always)]
-fn differences(by: &[f64], [a, b]: [&[f64]; 2], to: &mut [f64]) {
-    for (((to, by), a), b) in to.iter_mut().zip(by).zip(a).zip(b) {
-        *to = by * (b - a);
-    }
+/// Puts into each number of an array what is made of those of others, and of its own, vector by vector: as a loop over single
+/// numbers it would be asked first in each tick whether the arrays are apart, and have numbers left over at the end.
+macro_rules! each {
+    ($simd:ident, $to:ident = $sum:expr; $($of:ident)*) => {{
+        let n = $to.len();
+        $(let $of = S::as_simd_f64s(&$of[..n]);)*
+        let (vectors, last) = S::as_mut_simd_f64s($to);
+        for (i, to) in vectors.iter_mut().enumerate() {
+            $(let $of = $of.0[i];)*
+            let $to = *to;
+            *to = $sum;
+        }
+        if !last.is_empty() {
+            $(let $of = $simd.partial_load_f64s($of.1);)*
+            let $to = $simd.partial_load_f64s(last);
+            $simd.partial_store_f64s(last, $sum);
+        }
+    }};
 }
 
 #[inline(always)]
-fn put_both(to: &mut [f64], [a, b]: [&[f64]; 2], [u, v]: [&[f64]; 2]) {
-    for ((((to, a), b), u), v) in to.iter_mut().zip(a).zip(b).zip(u).zip(v) {
-        *to = a * u + b * v;
+fn elongations<S: Simd>(simd: S, to: &mut [f64], by: &[f64], e0: Option<&[f64]>, [a, b]: [&[f64]; 2]) {
+    if let Some(e0) = e0 {
+        each!(simd, to = { _ = to; simd.mul_f64s(by, simd.add_f64s(simd.sub_f64s(b, a), e0)) }; by a b e0);
+    } else {
+        differences(simd, to, by, [a, b]);
     }
 }
 
 #[inline(always)]
-fn put_products(to: &mut [f64], a: &[f64], b: &[f64]) {
-    for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
-        *to = a * b;
-    }
+fn differences<S: Simd>(simd: S, to: &mut [f64], by: &[f64], [a, b]: [&[f64]; 2]) {
+    each!(simd, to = { _ = to; simd.mul_f64s(by, simd.sub_f64s(b, a)) }; by a b);
 }
 
 #[inline(always)]
-fn add_products(to: &mut [f64], a: &[f64], b: &[f64]) {
-    for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
-        *to += a * b;
-    }
+fn add_differences<S: Simd>(simd: S, to: &mut [f64], by: &[f64], [a, b]: [&[f64]; 2]) {
+    each!(simd, to = simd.add_f64s(to, simd.mul_f64s(by, simd.sub_f64s(b, a))); by a b);
 }
 
 #[inline(always)]
-fn add_shares(to: &mut [f64], [u, v]: [f64; 2], [a, b]: [&[f64]; 2]) {
-    for ((to, a), b) in to.iter_mut().zip(a).zip(b) {
-        *to += u * a + v * b;
-    }
+fn put_products<S: Simd>(simd: S, to: &mut [f64], [a, b]: [&[f64]; 2]) {
+    each!(simd, to = { _ = to; simd.mul_f64s(a, b) }; a b);
 }
 
 #[inline(always)]
-fn add_share(to: &mut [f64], share: f64, of: &[f64]) {
-    for (to, of) in to.iter_mut().zip(of) {
-        *to += share * of;
-    }
+fn add_products<S: Simd>(simd: S, to: &mut [f64], [a, b]: [&[f64]; 2]) {
+    each!(simd, to = simd.add_f64s(to, simd.mul_f64s(a, b)); a b);
 }
 
 #[inline(always)]
-fn add(to: &mut [f64], by: &[f64]) {
-    for (to, by) in to.iter_mut().zip(by) {
-        *to += by;
-    }
+fn put_share<S: Simd>(simd: S, to: &mut [f64], (share, of): (f64, &[f64])) {
+    let share = simd.splat_f64s(share);
+    each!(simd, to = { _ = to; simd.mul_f64s(share, of) }; of);
 }
 
 #[inline(always)]
-fn subtract(to: &mut [f64], by: &[f64]) {
-    for (to, by) in to.iter_mut().zip(by) {
-        *to -= by;
-    }
+fn add_share<S: Simd>(simd: S, to: &mut [f64], (share, of): (f64, &[f64])) {
+    let share = simd.splat_f64s(share);
+    each!(simd, to = simd.add_f64s(to, simd.mul_f64s(share, of)); of);
+}
+
+#[inline(always)]
+fn put_shares<S: Simd>(simd: S, to: &mut [f64], [(u, a), (v, b)]: [(f64, &[f64]); 2]) {
+    let [u, v] = [u, v].map(|share| simd.splat_f64s(share));
+    each!(simd, to = { _ = to; simd.add_f64s(simd.mul_f64s(u, a), simd.mul_f64s(v, b)) }; a b);
+}
+
+#[inline(always)]
+fn add<S: Simd>(simd: S, to: &mut [f64], by: &[f64]) {
+    each!(simd, to = simd.add_f64s(to, by); by);
+}
+
+#[inline(always)]
+fn subtract<S: Simd>(simd: S, to: &mut [f64], by: &[f64]) {
+    each!(simd, to = simd.sub_f64s(to, by); by);
+}
+
+/// Where the second end of one link is the first of another.
+#[inline(always)]
+fn add_between<S: Simd>(simd: S, to: &mut [f64], [next, last]: [&[f64]; 2]) {
+    each!(simd, to = simd.add_f64s(to, simd.sub_f64s(next, last)); next last);
 }

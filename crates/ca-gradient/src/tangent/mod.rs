@@ -18,6 +18,7 @@ use crate::parts::numbers::Numbers;
 use crate::parts::outputs::listed;
 use crate::parts::placed::Placed;
 use crate::parts::record::Record;
+use crate::parts::small::Small;
 use crate::parts::{Link, Parts, number, unknown};
 use crate::played::diverged;
 use added::Added;
@@ -34,7 +35,7 @@ const MASSES: usize = 32;
 const MASSES_FOR_LINK: usize = 8;
 
 /// Ticks that are played with the derivatives by one parameter before those by the next.
-const TICKS: usize = 16;
+const TICKS: usize = 32;
 
 /// A scene whose derivatives are played by its own passes.
 pub struct Tangent {
@@ -129,6 +130,7 @@ impl Tangent {
         };
         let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
         let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);
+        let (small, linear, moves) = Small::of(scene, &self.parts);
         let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
         // one for all, since no derivative changes them
         let mut coefs = scene.initial.coef.clone();
@@ -147,7 +149,7 @@ impl Tangent {
             }
             for k in 0..ticks {
                 let row = record.row(k);
-                added.measure(scene, k, &row, record.row(k + 1).d);
+                added.measure(k, &row, record.motions(k + 1));
                 for l in &mut links {
                     l.measure(k, &row, None);
                 }
@@ -161,12 +163,12 @@ impl Tangent {
             for (q, a) in states.iter_mut().enumerate() {
                 std::mem::swap(&mut a.coef, &mut coefs);
                 for (k, output) in outputs[..ticks].iter_mut().enumerate() {
+                    added.begin(k, q, a);
                     for l in &mut links {
                         l.add(k, q, a);
                     }
-                    added.add_to_sums(k, q, a);
-                    for (op, _) in &self.parts.linear {
-                        let op = &scene.forces[*op];
+                    small.pull(a);
+                    for op in &linear {
                         (op.kernel)(op, &self.layout, a);
                     }
                     for l in &mut last {
@@ -180,11 +182,12 @@ impl Tangent {
                     }
                     output.iter_mut().zip(&a.output).for_each(|(to, v)| to.tangents_mut()[q] = *v);
                     // what is heard of forces is none of what changed numbers of rows and masses add
-                    added.add_to_moves(k, q, a);
+                    added.add_behind(k, q, a);
                     self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
-                    for op in &scene.moves {
+                    for op in &moves {
                         (op.kernel)(op, &self.layout, a);
                     }
+                    small.integrate(a);
                     a.tick += 1;
                 }
                 std::mem::swap(&mut a.coef, &mut coefs);
