@@ -1,7 +1,8 @@
 //! Alone: one link over dual numbers, by the kernel of its law, and what a loss owes to its ends, memory and numbers.
 //!
 //! Decides for a scene of the ends and this link, whose state is written anew for each: so laws, measures and methods are
-//! those of the tick, and none has a derivative written by hand.
+//! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
+//! dual numbers too; a system of its derivatives would have to be kept in step with that of the tick.
 
 use ca_core::Scene;
 use ca_core::op::{MeasureKind, Op, SolveStage};
@@ -9,6 +10,7 @@ use ca_core_dual::State;
 use ca_core_dual::numeric::{Aligned, Dual, TANGENTS};
 use ca_core_dual::op::layout::Layout;
 use ca_core_dual::op::{self as dual_op, Form};
+use ca_core_dual::state::ActiveContacts;
 use std::ops::Range;
 
 /// A port of a link.
@@ -45,6 +47,8 @@ pub struct Shape {
     pub coefs: usize,
     /// numbers of memory
     pub mem: usize,
+    /// one, or as many as are solved together
+    pub links: usize,
     /// it goes by the sum of the forces
     pub last: bool,
 }
@@ -55,14 +59,26 @@ impl Shape {
         let law = op.law?;
         // what is not looked at before it is measured has the distance of the last tick
         let looked_at = law.contact && law.mem == 0 && op.form.onto.is_none();
-        let last = matches!(law.stage, SolveStage::Single(_));
+        let last = !matches!(law.stage, SolveStage::Explicit);
         let (mut ports, mut first) = (Vec::new(), 0);
         for measure in [Some(op.form.measure), op.form.onto].into_iter().flatten() {
             let axes = if measure == MeasureKind::Line { 1 } else { 3 };
             ports.push(Port { axes, follows: measure == MeasureKind::Radial && !looked_at && !last, first });
             first += 2 * axes;
         }
-        Some(Shape { ports, slots: first, coefs: law.coefs, mem: law.mem, last })
+        Some(Shape { ports, slots: first, coefs: law.coefs, mem: law.mem, links: 1, last })
+    }
+
+    /// That of links of these passes, one of each, which are solved together; their ends have so many slots.
+    pub fn together(ops: &[&Op], slots: usize) -> Option<Shape> {
+        let mut all = Shape { ports: Vec::new(), slots, coefs: 0, mem: 0, links: ops.len(), last: true };
+        for op in ops {
+            let of = Shape::of(op).filter(|of| of.ports.len() == 1)?;
+            all.ports.extend(of.ports.iter().map(|p| Port { follows: false, ..*p }));
+            all.coefs += of.coefs;
+            all.mem += of.mem;
+        }
+        Some(all)
     }
 
     /// The motions; the places come first.
@@ -89,13 +105,13 @@ impl Shape {
     pub fn length(&self) -> usize {
         self.memory() + self.mem
     }
-    /// The constant part of the elongation.
+    /// The constant part of the elongation, of each link.
     pub fn e0(&self) -> usize {
         self.length() + self.ports.len()
     }
     /// What ports in space need, four numbers of each port.
     pub fn reach(&self) -> usize {
-        self.e0() + 1
+        self.e0() + self.links
     }
     /// How many there are.
     fn len(&self) -> usize {
@@ -120,11 +136,12 @@ impl Shape {
     }
 }
 
-/// A link that is run alone, or several of one pass one after the other.
+/// A link that is run alone, or several of one pass one after the other; or some that are solved together.
 pub struct Alone {
     /// what they read
     pub shape: Shape,
-    op: dual_op::Op,
+    /// its pass; of those that are solved together each, then the one that solves
+    ops: Vec<dual_op::Op>,
     /// a dipole on a line whose force is that of its law
     direct: bool,
     layout: Layout,
@@ -135,7 +152,7 @@ pub struct Alone {
     pub moving: Vec<[f64; TANGENTS]>,
     /// what a loss owes to each of it
     pub owed: Vec<f64>,
-    /// the derivatives of what it does: the forces on its ends, memory, lengths, and its own force
+    /// the derivatives of what it does: the forces on its ends, memory, lengths, and its own force (that of each)
     pub done: Vec<[f64; TANGENTS]>,
 }
 
@@ -143,8 +160,8 @@ pub struct Alone {
 pub struct Owed<'a> {
     /// forces on its ends (slots)
     pub force: &'a [f64],
-    /// its own force
-    pub tap: f64,
+    /// its own force (links)
+    pub tap: &'a [f64],
     /// memory, as it is afterwards
     pub memory: &'a [f64],
     /// lengths, as they are afterwards (ports)
@@ -155,44 +172,62 @@ impl Alone {
     /// The links of a pass, whose law is one of the `dual` scene; `None` where that has none such.
     pub fn new(op: &Op, dual: &ca_core_dual::Scene) -> Option<Alone> {
         let shape = Shape::of(op)?;
-        let of_law = |o: &&dual_op::Op| o.law.is_some_and(|law| Some(law.code) == op.law.map(|law| law.code));
-        let law = dual.forces.iter().find(of_law)?.law?;
-        let measure = |of: MeasureKind| match of {
-            MeasureKind::Line => dual_op::MeasureKind::Line,
-            MeasureKind::Along => dual_op::MeasureKind::Along,
-            MeasureKind::Radial => dual_op::MeasureKind::Radial,
-        };
-        let onto = op.form.onto.map(measure);
-        let form = Form { measure: measure(op.form.measure), onto, offset: true, tap: true, ..Form::default() };
-        let ports = dual_op::Ports { measure: form.measure, onto: onto.map(|m| (m, 0, 1)), ..Default::default() };
-        let pass = dual_op::Op::pass(law.code, (law.kernel)(form), 1);
-        let slots = shape.slots;
         let ends = |p: &Port| [p.first as u32, (p.first + p.axes) as u32];
+        let (own, onto) = (vec![ends(&shape.ports[0])], shape.ports[1..].iter().map(ends).collect());
+        Alone::of(shape, &[op], own, onto, dual)
+    }
+
+    /// Links that are solved together, one of each of these passes, with the first slots of their `ends` among so many.
+    pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &ca_core_dual::Scene) -> Option<Alone> {
+        Alone::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
+    }
+
+    fn of(
+        shape: Shape,
+        ops: &[&Op],
+        ends: Vec<[u32; 2]>,
+        onto: Vec<[u32; 2]>,
+        dual: &ca_core_dual::Scene,
+    ) -> Option<Alone> {
+        let (slots, links) = (shape.slots, shape.links);
+        let (mut coef, mut mem, mut passes) = (3 * slots, 0, Vec::new());
+        for (k, op) in ops.iter().enumerate() {
+            let pass = pass(op, dual)?;
+            let (coefs, memory) = pass.law.map(|law| (law.coefs, law.mem))?;
+            let ports = dual_op::Ports { reach: k, ..pass.ports };
+            passes.push(dual_op::Op { ports, first: k, coef, mem, tap: k, ..pass });
+            (coef, mem) = (coef + coefs, mem + memory);
+        }
+        let law = passes.first()?.law?;
+        let mut s = State::default();
+        if let dual_op::SolveStage::Coupled(solve) = law.stage {
+            passes.push(dual_op::Op::pass("contacts", solve, links));
+            s.touches = ActiveContacts::new(links, slots);
+        }
         let layout = Layout {
             n_mat: slots,
-            ends: vec![ends(&shape.ports[0])],
-            onto: shape.ports[1..].iter().map(ends).collect(),
-            e0: vec![Dual::default()],
+            ends,
+            onto,
+            e0: vec![Dual::default(); links],
             reach: vec![[Dual::default(); 4]; shape.ports.len()],
             rest: vec![Dual::default(); slots],
             tables: dual.layout.tables.clone(),
             vectors: dual.layout.vectors,
             ..Layout::default()
         };
-        let mut s = State::default();
         (s.x, s.d, s.f) = (Aligned::zeros(slots), Aligned::zeros(slots), Aligned::zeros(slots));
         s.coef = Aligned::zeros(3 * slots + shape.coefs);
         s.mem = vec![Dual::default(); shape.mem];
         s.lengths = Aligned::zeros(shape.ports.len());
-        s.tap = Aligned::zeros(1);
+        s.tap = Aligned::zeros(links);
         Some(Alone {
             direct: slots == 2 && !shape.last,
-            op: dual_op::Op { law: Some(law), form, ports, coef: 3 * slots, ..pass },
+            ops: passes,
             layout,
             s,
             given: vec![0.0; shape.len()],
             moving: vec![[0.0; TANGENTS]; shape.len()],
-            done: vec![[0.0; TANGENTS]; slots + shape.mem + shape.ports.len() + 1],
+            done: vec![[0.0; TANGENTS]; slots + shape.mem + shape.ports.len() + links],
             owed: vec![0.0; shape.len()],
             shape,
         })
@@ -208,7 +243,7 @@ impl Alone {
 
     /// The derivatives of what the link does, by those of what it reads.
     pub fn carry(&mut self) {
-        if let (true, Some(law)) = (self.direct, self.op.law) {
+        if let (true, Some(law)) = (self.direct, self.ops[0].law) {
             let number = |at: usize| {
                 let mut v = Dual::constant(self.given[at]);
                 v.tangents_mut().copy_from_slice(&self.moving[at]);
@@ -230,7 +265,7 @@ impl Alone {
                 *to = Dual::constant(given[at]);
                 to.tangents_mut().copy_from_slice(&moving[at]);
             });
-            (self.op.kernel)(&self.op, &self.layout, &mut self.s);
+            self.run();
         }
         let s = &self.s;
         let all = s.f.iter().chain(&s.mem).chain(s.lengths.iter()).chain(s.tap.iter());
@@ -245,7 +280,7 @@ impl Alone {
                 continue;
             }
             self.load(some);
-            (self.op.kernel)(&self.op, &self.layout, &mut self.s);
+            self.run();
             let s = &self.s;
             let mut sums = [0.0; TANGENTS];
             let mut add = |v: &Dual, by: f64| {
@@ -256,7 +291,7 @@ impl Alone {
             s.f.iter().zip(by.force).for_each(|(v, by)| add(v, *by));
             s.mem.iter().zip(by.memory).for_each(|(v, by)| add(v, *by));
             s.lengths.iter().zip(by.lengths).for_each(|(v, by)| add(v, by));
-            add(&s.tap[0], by.tap);
+            s.tap.iter().zip(by.tap).for_each(|(v, by)| add(v, *by));
             for (at, sum) in some.iter().zip(sums) {
                 self.owed[*at] = sum;
             }
@@ -284,12 +319,19 @@ impl Alone {
             };
             to.tangents_mut()[lane] = 1.0;
         }
-        let Some(law) = self.op.law else { return };
+        let Some(law) = self.ops[0].law else { return };
         let force = (law.force)(coefs, &mut self.s.mem, &self.layout.tables, e, w);
-        let owed = by.force[0] - by.force[1] + by.tap;
+        let owed = by.force[0] - by.force[1] + by.tap[0];
         for (lane, at) in some.iter().enumerate() {
             let memory = self.s.mem.iter().zip(by.memory).map(|(v, by)| by * v.tangents()[lane]);
             self.owed[*at] = owed * force.tangents()[lane] + memory.sum::<f64>();
+        }
+    }
+
+    /// Runs its passes.
+    fn run(&mut self) {
+        for op in &self.ops {
+            (op.kernel)(op, &self.layout, &mut self.s);
         }
     }
 
@@ -315,10 +357,25 @@ impl Alone {
             _ if at < sh.memory() => s.coef.get_mut(at - 3 * n),
             _ if at < sh.length() => s.mem.get_mut(at - sh.memory()),
             _ if at < sh.e0() => s.lengths.get_mut(at - sh.length()),
-            _ if at < sh.reach() => self.layout.e0.first_mut(),
+            _ if at < sh.reach() => self.layout.e0.get_mut(at - sh.e0()),
             _ => self.layout.reach.as_flattened_mut().get_mut(at - sh.reach()),
         }
     }
+}
+
+/// A pass of one link of the law of another, which is one of the `dual` scene.
+fn pass(op: &Op, dual: &ca_core_dual::Scene) -> Option<dual_op::Op> {
+    let of_law = |o: &&dual_op::Op| o.law.is_some_and(|law| Some(law.code) == op.law.map(|law| law.code));
+    let law = dual.forces.iter().find(of_law)?.law?;
+    let measure = |of: MeasureKind| match of {
+        MeasureKind::Line => dual_op::MeasureKind::Line,
+        MeasureKind::Along => dual_op::MeasureKind::Along,
+        MeasureKind::Radial => dual_op::MeasureKind::Radial,
+    };
+    let onto = op.form.onto.map(measure);
+    let form = Form { measure: measure(op.form.measure), onto, offset: true, tap: true, ..Form::default() };
+    let ports = dual_op::Ports { measure: form.measure, onto: onto.map(|m| (m, 0, 1)), ..Default::default() };
+    Some(dual_op::Op { law: Some(law), form, ports, ..dual_op::Op::pass(law.code, (law.kernel)(form), 1) })
 }
 
 /// Visits what a link reads, in the order of [`Shape`], each with its place there.

@@ -3,7 +3,7 @@
 //! Decides for three kinds of links. Linear ones on a line make of derivatives what they make of places, and have transposes that
 //! are themselves, so that the passes of the scene run them forwards and backwards, whatever their layout. All others are run one by one
 //! over dual numbers, each by the kernel of its law alone. Those whose force depends on the sum of others come last in a tick, and first
-//! on the way back. What is neither is refused, by the name of its pass; forward mode over dual numbers has no such bounds.
+//! on the way back; of these, such as are solved together are run as one. What is neither is refused, by the name of its pass; forward mode over dual numbers has no such bounds.
 
 pub mod alone;
 pub mod numbers;
@@ -47,14 +47,21 @@ pub struct Parts {
     pub summed: Vec<usize>,
 }
 
-/// A link that is run alone.
+/// A link that is run alone, or some that are solved together.
 pub struct Link {
-    /// index into [`Scene::forces`]
-    pub op: usize,
-    /// which one of it
-    pub i: usize,
-    /// slots of its ends, port by port, first ends first
+    /// index into [`Scene::forces`], and which one of it; of those that are solved together each, in the order of the tick
+    pub members: Vec<(usize, usize)>,
+    /// slots of its ends, port by port, first ends first; of those that are solved together all, rising
     pub slots: Vec<usize>,
+    /// it is solved with others, or would be
+    pub together: bool,
+}
+
+impl Link {
+    /// The pass that is the first to run it, as an index into [`Scene::forces`].
+    pub fn op(&self) -> usize {
+        self.members[0].0
+    }
 }
 
 /// A linear law F = Σ c (α e + β w): α and β of each coefficient.
@@ -156,10 +163,11 @@ impl Parts {
             return Err(no("a port drives a number of it that is of no link"));
         }
         let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
+        let mut together = Vec::new();
         for (k, op) in scene.summed().iter().enumerate() {
             let Some(law) = op.law else {
                 match op.name {
-                    "ENF" | "TGR out" | "points back" => {}
+                    "ENF" | "TGR out" | "points back" | "contacts" => {}
                     "weight" => parts.weights.push(k),
                     "modes" => {
                         parts.modal = scene.reads.iter().position(|op| op.name == "modal ports").map(|read| [read, k]);
@@ -200,15 +208,21 @@ impl Parts {
             let to = match law.stage {
                 SolveStage::Explicit => &mut parts.links,
                 SolveStage::Single(_) => &mut parts.last,
-                SolveStage::Coupled(_) => return Err(pass(op)),
+                SolveStage::Coupled(_) => &mut together,
             };
             // a place in a row that no link takes has one end
             let takes = |i: &usize| scene.layout.ends[op.first + i][0] != scene.layout.ends[op.first + i][1];
-            to.extend((0..op.n).filter(takes).map(|i| Link { op: k, i, slots: slots(scene, op, i) }));
-            if at_points && matches!(law.stage, SolveStage::Single(_)) {
+            let late = !matches!(law.stage, SolveStage::Explicit);
+            let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: late };
+            to.extend((0..op.n).filter(takes).map(link));
+            if late && (at_points || !scene.layout.modal_couplings.is_empty()) {
                 return Err(pass(op));
             }
         }
+        parts.last.iter_mut().for_each(|l| l.together = false);
+        parts.last.extend(that_touch(together, &scene.initial.coef[2 * scene.layout.n_mat..]));
+        // each has what it reads kept before the first of them runs
+        parts.last.sort_by_key(Link::op);
         for (k, op) in scene.moves.iter().enumerate() {
             match (op.law, op.name) {
                 (Some(_), _) => parts.rows.push((k, basis(op).ok_or_else(|| pass(op))?)),
@@ -238,6 +252,25 @@ impl Parts {
         }
         Ok(parts)
     }
+}
+
+/// Links that are solved together, as one where they have places in common that `moves` says a force moves.
+fn that_touch(links: Vec<Link>, moves: &[f64]) -> Vec<Link> {
+    let mut all: Vec<Link> = Vec::new();
+    for mut link in links {
+        let touches = |other: &Link| other.slots.iter().any(|m| moves[*m] != 0.0 && link.slots.contains(m));
+        let (with, apart): (Vec<Link>, Vec<Link>) = all.into_iter().partition(touches);
+        for other in with {
+            link.members.extend(other.members);
+            link.slots.extend(other.slots);
+        }
+        link.members.sort_unstable();
+        link.slots.sort_unstable();
+        link.slots.dedup();
+        all = apart;
+        all.push(link);
+    }
+    all
 }
 
 /// The number that a place of an array has, in a scene whose numbers are replaced by their places among them.

@@ -1,42 +1,63 @@
-//! Placed: a link that is run alone, at its place in a scene: what it reads there, and when it gives no force.
+//! Placed: a link that is run alone, or some that are solved together, at its place in a scene: what it reads there, and when it gives no force.
 
 use crate::parts::Link;
 use crate::parts::alone::Alone;
 use crate::parts::record::Row;
 use ca_core::Scene;
-use std::ops::Range;
+use ca_core::op::Op;
 
-/// A link that is run alone, at its place.
+/// A link that is run alone, at its place, or some that are solved together.
 pub struct Placed {
     pub alone: Alone,
     /// slots of its ends
     pub slots: Vec<usize>,
     /// its memory, and the last lengths of its ports
-    pub mem: Range<usize>,
+    pub mem: Vec<usize>,
     pub lengths: Vec<usize>,
-    pub tap: Option<usize>,
+    /// where the force of each is heard, if it is
+    pub taps: Vec<Option<usize>>,
     /// the numbers it reads: index into what it reads, and the place of each among the numbers of the scene
     pub numbers: Vec<(usize, f64)>,
+    /// its coefficients, in the order in which it reads them
+    pub coefs: Vec<usize>,
     /// elongations at which there is no force, of contacts on a line without memory
     pub idle: Option<(f64, f64)>,
+    /// its memory may stay where it gives no force
+    remembers: bool,
 }
 
 impl Placed {
     /// A link of a scene, its numbers given; `place` is the scene with each number replaced by its place among them. `None` where its law
     /// is none of the `dual` scene.
     pub fn new(scene: &Scene, link: &Link, dual: &ca_core_dual::Scene, place: &Scene) -> Option<Placed> {
-        let op = &scene.forces[link.op];
-        let mut alone = Alone::new(op, dual)?;
-        let (sh, n, i) = (&alone.shape, scene.layout.n_mat, link.i);
-        let lengths: Vec<usize> =
-            [Some(op.ports.reach), op.ports.onto.map(|o| o.2)].into_iter().flatten().map(|r| r + i).collect();
+        let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.forces[*k]).collect();
+        let each = || ops.iter().zip(&link.members).map(|(op, (_, i))| (*op, *i));
+        let mut alone = if link.together {
+            let at = |m: u32| link.slots.binary_search(&(m as usize)).map_or(0, |at| at as u32);
+            let ends = each().map(|(op, i)| scene.layout.ends[op.first + i].map(at)).collect();
+            Alone::together(&ops, ends, link.slots.len(), dual)?
+        } else {
+            Alone::new(ops[0], dual)?
+        };
+        let (sh, n) = (&alone.shape, scene.layout.n_mat);
+        let reaches = |(op, i): (&Op, usize)| {
+            let of = [Some(op.ports.reach), op.ports.onto.map(|o| o.2)];
+            of.into_iter().flatten().map(move |r| r + i)
+        };
+        let lengths: Vec<usize> = each().flat_map(reaches).collect();
+        let of_law = |op: &Op| op.law.map_or((0, 0), |law| (law.coefs, law.mem));
+        let coefs =
+            each().flat_map(|(op, i)| (0..of_law(op).0).map(move |k| op.coef + k * op.n + i)).collect::<Vec<_>>();
+        let mem = each().flat_map(|(op, i)| (0..of_law(op).1).map(move |k| op.mem + i * of_law(op).1 + k)).collect();
         let mut numbers: Vec<(usize, f64, f64)> = Vec::new();
-        let coefs = [&scene.initial.coef, &place.initial.coef];
         let mut number_at = |k: usize, [v, at]: [f64; 2]| numbers.push((k, v, at));
-        for k in 0..sh.coefs {
-            number_at(sh.coef() + k, coefs.map(|c| c[op.coef + k * op.n + i]));
+        let all = [&scene.initial.coef, &place.initial.coef];
+        for (k, coef) in coefs.iter().enumerate() {
+            number_at(sh.coef() + k, all.map(|c| c[*coef]));
         }
-        number_at(sh.e0(), [scene, place].map(|s| s.layout.e0[op.first + i]));
+        for (k, (op, i)) in each().enumerate() {
+            number_at(sh.e0() + k, [scene, place].map(|s| s.layout.e0[op.first + i]));
+        }
         for (which, (p, r)) in sh.ports.iter().zip(&lengths).enumerate().filter(|(_, (p, _))| p.axes > 1) {
             debug_assert_eq!(p.axes, 3);
             for k in 0..4 {
@@ -45,20 +66,21 @@ impl Placed {
         }
         for (k, slot) in link.slots.iter().enumerate() {
             for which in 0..3 {
-                number_at(sh.own() + which * sh.slots + k, coefs.map(|c| c[which * n + slot]));
+                number_at(sh.own() + which * sh.slots + k, all.map(|c| c[which * n + slot]));
             }
         }
         for (k, v, _) in &numbers {
             alone.given[*k] = *v;
         }
-        let mem = op.mem + i * alone.shape.mem;
         Some(Placed {
             slots: link.slots.clone(),
-            mem: mem..mem + alone.shape.mem,
+            mem,
             lengths,
-            tap: op.form.tap.then_some(op.tap + i),
+            taps: each().map(|(op, i)| op.form.tap.then_some(op.tap + i)).collect(),
             numbers: numbers.into_iter().map(|(k, _, at)| (k, at)).collect(),
-            idle: alone.idle(op),
+            coefs,
+            idle: alone.idle(ops[0]),
+            remembers: link.together,
             alone,
         })
     }
@@ -70,7 +92,8 @@ impl Placed {
             let e = row.x[self.slots[1]] - row.x[self.slots[0]] + self.alone.given[self.alone.shape.e0()];
             e >= from && e <= to
         };
-        sums.is_some_and(|sums| sums.last() == Some(&0.0)) || self.idle.is_some_and(away)
+        let empty = || !self.remembers || self.mem.iter().all(|m| row.mem[*m] == 0.0);
+        sums.is_some_and(|sums| sums.last() == Some(&0.0)) && empty() || self.idle.is_some_and(away)
     }
 
     /// Gives it what it reads of a tick.
@@ -82,7 +105,9 @@ impl Placed {
         if let Some((_, sums)) = sums.and_then(<[f64]>::split_last) {
             given[sh.f()..][..sums.len()].copy_from_slice(sums);
         }
-        given[sh.memory()..][..sh.mem].copy_from_slice(&row.mem[self.mem.clone()]);
+        for (to, at) in given[sh.memory()..].iter_mut().zip(&self.mem) {
+            *to = row.mem[*at];
+        }
         for (k, (_, at)) in sh.ports.iter().zip(&self.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
             given[sh.length() + k] = row.lengths[*at];
         }

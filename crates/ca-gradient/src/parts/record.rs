@@ -1,6 +1,6 @@
 //! Record: a stretch of ticks, played once more for the way back.
 
-use crate::parts::Parts;
+use crate::parts::{Link, Parts};
 use ca_core::numeric::Aligned;
 use ca_core::op::Op;
 use ca_core::op::layout::Tap;
@@ -110,7 +110,7 @@ impl Record {
                 (op.kernel)(op, &scene.layout, s);
             }
         };
-        let last = parts.last.first().map_or(scene.summed().len(), |l| l.op);
+        let last = parts.last.first().map_or(scene.summed().len(), Link::op);
         let (before, behind) = scene.summed().split_at(last);
         let heard = scene.writes.iter().find(|op| op.name == "heard links");
         let inputs = scene.inputs.len();

@@ -105,7 +105,7 @@ impl<'a> Adjoint<'a> {
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
         let no = |op: usize| unknown(&scene.forces[op]);
         let single =
-            |link: &Link| Single::new(scene, link, dual, place, &is_needed, &parts.driven).ok_or_else(|| no(link.op));
+            |link: &Link| Single::new(scene, link, dual, place, &is_needed, &parts.driven).ok_or_else(|| no(link.op()));
         let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
         let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
         let outputs = Outputs::of(scene);

@@ -33,6 +33,10 @@ pub struct Single {
     driven: Vec<(usize, usize)>,
     /// what it reads of which is asked what is owed to it, in each tick, and where lengths before are not kept
     wanted: [Vec<usize>; 2],
+    /// what is owed to the forces on its ends, to its memory and to its own force, in passing
+    force: Vec<f64>,
+    memory: Vec<f64>,
+    taps: Vec<f64>,
 }
 
 impl Single {
@@ -45,15 +49,13 @@ impl Single {
         needed: &impl Fn(f64) -> bool,
         driven: &[usize],
     ) -> Option<Single> {
-        let op = &scene.forces[link.op];
-        let (n, i) = (op.n, link.i);
         let mut link = Placed::new(scene, link, dual, place)?;
         let sh = &link.alone.shape;
         let own = sh.own()..sh.coef();
         let used = |k: usize| sh.last || !own.contains(&k);
         let changed = link.numbers.iter().filter(|(k, at)| used(*k) && needed(*at));
         let numbers: Vec<(usize, usize)> = changed.map(|(k, at)| (*k, number(*at))).collect();
-        let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&(op.coef + k * n + i)).ok()?));
+        let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&link.coefs[k]).ok()?));
         let driven: Vec<(usize, usize)> = (0..sh.coefs).filter_map(of_port).collect();
         // what is driven has its due through the port
         let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
@@ -63,7 +65,8 @@ impl Single {
             // what a port drives may say when there is no force
             link.idle = None;
         }
-        Some(Single { link, numbers, driven, wanted })
+        let [force, memory, taps] = [link.slots.len(), link.mem.len(), link.taps.len()].map(|n| vec![0.0; n]);
+        Some(Single { link, numbers, driven, wanted, force, memory, taps })
     }
 
     /// Slots of its ends.
@@ -73,18 +76,18 @@ impl Single {
 
     /// Goes back over the link in one tick; `sums` are the forces on its ends before it, and how much it adds, where it goes by them.
     pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, way: &mut Way) {
-        let Placed { slots, mem, tap, .. } = &self.link;
-        let (mem, tap) = (mem.clone(), tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t])));
+        for (to, tap) in self.taps.iter_mut().zip(&self.link.taps) {
+            *to = tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t]));
+        }
         if self.link.is_idle(row, sums) {
             // what is owed to the sums stays, and the memory is written anew
-            way.mem[mem].fill(0.0);
+            self.link.mem.iter().for_each(|m| way.mem[*m] = 0.0);
             return;
         }
-        // a point of a quadripole in space has six numbers, and there are two
-        let mut force = [0.0; 12];
-        force.iter_mut().zip(slots).for_each(|(force, slot)| *force = way.a.x[*slot]);
+        self.force.iter_mut().zip(&self.link.slots).for_each(|(to, slot)| *to = way.a.x[*slot]);
+        self.memory.iter_mut().zip(&self.link.mem).for_each(|(to, m)| *to = way.mem[*m]);
         self.link.read(row, sums);
-        let Placed { alone, slots, lengths: at_lengths, .. } = &mut self.link;
+        let Placed { alone, slots, mem, lengths: at_lengths, .. } = &mut self.link;
         let (at_d, at_f, at_mem, at_length) =
             (alone.shape.d(), alone.shape.f(), alone.shape.memory(), alone.shape.length());
         for (k, at) in &self.driven {
@@ -95,7 +98,7 @@ impl Single {
             lengths[k] = way.lengths[*at];
             motions |= row.lengths[*at] < 0.0;
         }
-        let owed = Owed { force: &force[..slots.len()], tap, memory: &way.mem[mem.clone()], lengths };
+        let owed = Owed { force: &self.force, tap: &self.taps, memory: &self.memory, lengths };
         alone.owe(&owed, &self.wanted[usize::from(motions)]);
         let (owed, sh) = (&alone.owed, &alone.shape);
         if sh.last {
@@ -109,7 +112,7 @@ impl Single {
                 pull(p, slots, owed, motions || !p.follows, at_d, way);
             }
         }
-        way.mem[mem].copy_from_slice(&owed[at_mem..][..sh.mem]);
+        mem.iter().zip(&owed[at_mem..]).for_each(|(m, by)| way.mem[*m] = *by);
         for (k, (p, at)) in sh.ports.iter().zip(&*at_lengths).enumerate() {
             if p.follows {
                 way.lengths[*at] = if alone.given[at_length + k] < 0.0 { 0.0 } else { owed[at_length + k] };
@@ -207,7 +210,7 @@ impl Pairs {
             }
             alone.given[at_reach..][..3].copy_from_slice(&reach);
             let force = slots.map(|slot| way.a.x[slot]);
-            alone.owe(&Owed { force: &force, tap: 0.0, memory: &[], lengths: [0.0; 2] }, wanted);
+            alone.owe(&Owed { force: &force, tap: &[], memory: &[], lengths: [0.0; 2] }, wanted);
             pull(&alone.shape.ports[0], &slots, &alone.owed, true, at_d, way);
             for (k, at) in numbers {
                 way.owed[*at] += alone.owed[*k];

@@ -3,6 +3,7 @@
 //! Decides to find these for some ticks before any derivative is played: what a link reads of the state is a few numbers, and with
 //! its derivatives by each the derivatives by one parameter are played over all of these ticks, beside no other.
 
+use crate::parts::alone::Port;
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
@@ -57,12 +58,12 @@ impl Moving {
         let link = Placed::new(scene, link, dual, place)?;
         let (sh, slots) = (&link.alone.shape, &link.slots);
         let (mut reads, mut writes) = (Vec::new(), Vec::new());
-        for p in &sh.ports {
-            for k in if sh.last { p.slots() } else { p.second() } {
-                let less = (!sh.last).then(|| slots[k - p.axes]);
-                reads.push((k, Read::Place(slots[k], less)));
-                reads.push((sh.d() + k, Read::Motion(slots[k], less)));
-            }
+        let places = |p: Port| p.second().map(move |k| (k, Some(slots[k - p.axes])));
+        let all = (0..sh.slots).map(|k| (k, None));
+        let read: Vec<_> = if sh.last { all.collect() } else { sh.ports.iter().copied().flat_map(places).collect() };
+        for (k, less) in read {
+            reads.push((k, Read::Place(slots[k], less)));
+            reads.push((sh.d() + k, Read::Motion(slots[k], less)));
         }
         for (k, slot) in slots.iter().enumerate() {
             if sh.last {
@@ -70,15 +71,16 @@ impl Moving {
             }
             writes.push((k, Write::Force(*slot)));
         }
-        for (k, at) in link.mem.clone().enumerate() {
-            reads.push((sh.memory() + k, Read::Memory(at)));
-            writes.push((sh.slots + k, Write::Memory(at)));
+        for (k, at) in link.mem.iter().enumerate() {
+            reads.push((sh.memory() + k, Read::Memory(*at)));
+            writes.push((sh.slots + k, Write::Memory(*at)));
         }
         for (k, (_, at)) in sh.ports.iter().zip(&link.lengths).enumerate().filter(|(_, (p, _))| p.follows) {
             reads.push((sh.length() + k, Read::Length(*at)));
             writes.push((sh.slots + sh.mem + k, Write::Length(*at)));
         }
-        writes.extend(link.tap.map(|t| (link.alone.done.len() - 1, Write::Tap(t))));
+        let heard = link.taps.iter().enumerate().filter_map(|(k, tap)| Some((k, (*tap)?)));
+        writes.extend(heard.map(|(k, t)| (sh.slots + sh.mem + sh.ports.len() + k, Write::Tap(t))));
         let changed = |(k, at): &(usize, f64)| {
             let mut by = [0.0; TANGENTS];
             by.iter_mut().zip(columns).for_each(|(to, column)| *to = column[number(*at)]);
@@ -140,8 +142,8 @@ impl Moving {
     pub fn add(&mut self, k: usize, q: usize, s: &mut State) {
         if self.idle[k] {
             // then memory is written anew
-            s.mem[self.link.mem.clone()].fill(0.0);
-            self.link.tap.into_iter().for_each(|t| s.tap[t] = 0.0);
+            self.link.mem.iter().for_each(|m| s.mem[*m] = 0.0);
+            self.link.taps.iter().flatten().for_each(|t| s.tap[*t] = 0.0);
             return;
         }
         for (to, (_, read)) in self.room.iter_mut().zip(&self.reads) {

@@ -49,7 +49,7 @@ pub struct Tangent {
 impl Tangent {
     /// True where dual numbers for all of a tick would take longer.
     pub fn is_worth(scene: &Scene, parts: &Parts) -> bool {
-        let alone = parts.links.len() + parts.last.len();
+        let alone: usize = parts.links.iter().chain(&parts.last).map(|l| l.members.len()).sum();
         scene.layout.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
     }
 
@@ -126,7 +126,7 @@ impl Tangent {
         let gains = Gains::new(scene, place, &columns);
         let one = |link: &Link| {
             let found = Moving::new(scene, link, &self.dual, place, &columns, TICKS);
-            found.ok_or_else(|| Error::Refused(unknown(&scene.forces[link.op])))
+            found.ok_or_else(|| Error::Refused(unknown(&scene.forces[link.op()])))
         };
         let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
         let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);

@@ -114,6 +114,40 @@ const SCENES: &[(&str, &str)] = &[
     ),
 ];
 
+/// Contacts that keep energy, and friction, of which several move one mass and are solved together.
+const TOGETHER: &[(&str, &str)] = &[
+    (
+        "a ball between two walls",
+        "[SOL]\nleft = { x = '-3 mm' }\nright = { x = '2 mm' }\n[MAS]\nball = { m = '5 g', v = '0.8 m/s' }\n[BUT]\nto_left = { between = ['left', 'ball'], k = '20 kN/m', z = '0.2 N s/m', method = 'stable' }\n[HRZ]\nto_right = { between = ['ball', 'right'], k = '1e6 N/m^1.5', method = 'stable' }\n[SOX]\nout = { from = 'ball', gain = 100 }\n[SOF]\nblow = { from = 'to_right', gain = 0.1 }\nall = { from = 'ball', gain = 0.1 }\n",
+    ),
+    (
+        "a bar that is bowed and struck",
+        "[CEL]\nbar = { m = '1 g', f = '220 Hz', t60 = '0.5 s' }\n[MAS]\nbow = { m = '1 kg', v = '0.2 m/s' }\nhammer = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BOW]\nrub = { between = ['bar', 'bow'], f = '0.3 N', v0 = '50 mm/s', method = 'secant' }\n[HRZ]\nstrike = { between = ['hammer', 'bar'], k = '1e7 N/m^1.5', method = 'stable' }\n[SOX]\nout = { from = 'bar' }\n",
+    ),
+    (
+        "two pairs that share nothing but a wall, beside a contact that is solved by itself",
+        "[SOL]\nwall = {}\n[CEL]\na = { m = '2 g', f = '330 Hz', t60 = '1 s' }\nb = { m = '3 g', f = '440 Hz', t60 = '1 s' }\nc = { m = '1 g', f = '500 Hz', t60 = '1 s' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\nbead = { m = '4 g', x = '-2 mm', v = '1.1 m/s' }\ndrop = { m = '3 g', x = '-1.5 mm', v = '0.9 m/s' }\n[BUT]\nhit = { between = ['ball', 'a'], k = '20 kN/m', method = 'stable' }\nknock = { between = ['bead', 'b'], k = '30 kN/m', method = 'stable' }\nfall = { between = ['drop', 'c'], k = '25 kN/m', method = 'stable' }\n[BOW]\nrub = { between = ['wall', 'a'], f = '0.1 N', v0 = '60 mm/s', method = 'secant' }\nrag = { between = ['b', 'wall'], f = '0.2 N', v0 = '50 mm/s', method = 'secant' }\n[SOX]\nout = { from = 'a' }\nother = { from = 'b', gain = 0.7 }\nlast = { from = 'c', gain = 0.8 }\n",
+    ),
+    (
+        "two balls in space that keep the energy of their blow",
+        "[room]\ndim = 3\n[room.MAS]\nball = { m = '5 g', x = ['-4 mm', 0, '0.2 mm'], v = ['0.8 m/s', 0, 0] }\nbead = { m = '4 g', x = ['4 mm', '0.3 mm', 0], v = ['-0.7 m/s', 0, '0.1 m/s'] }\n[room.BUT]\nhit = { between = ['room.ball', 'room.bead'], d = '5 mm', k = '20 kN/m', z = '0.1 N s/m', method = 'stable' }\n[SOX]\nout = { from = 'room.bead', along = [1, 0, 0], gain = 100 }\nup = { from = 'room.bead', along = [0, 0, 1], gain = 100 }\n",
+    ),
+];
+
+#[test]
+fn reverse_knows_what_is_solved_together() {
+    let (mut draw, mut wrong) = (Draw(17), Vec::new());
+    for (title, text) in TOGETHER {
+        let mut loaded = read(text);
+        let names = drawn(&mut loaded, &mut draw);
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let t = tangents(&loaded, 1500, &names);
+        assert!(t.tangents.iter().any(|v| *v != 0.0), "{title}");
+        assert!(both_ways(title, &loaded, &t, &mut wrong), "{title}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
 #[test]
 fn reverse_is_forward_however_a_scene_is_laid_out() {
     let (mut draw, mut wrong) = (Draw(11), Vec::new());

@@ -238,7 +238,7 @@ class Derivatives:
             seconds: as for `render`, with a loss.
             gesture: as for `tangents`.
             mode: ``"reverse"``, ``"forward"``, or ``"auto"``: reverse, and forward for scenes that it does not know (waveguides,
-                contacts that are solved together, samples of several ticks, and what docs/numerics.md §9 names).
+                samples of several ticks, and what docs/numerics.md §9 names).
 
         Raises:
             UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape; ``mode="reverse"`` for a scene that has
