@@ -3,7 +3,8 @@
 //! Decides for three kinds of links. Linear ones on a line make of derivatives what they make of places, and have transposes that
 //! are themselves, so that the passes of the scene run them forwards and backwards, whatever their layout. All others are run one by one
 //! over dual numbers, each by the kernel of its law alone. Those whose force depends on the sum of others come last in a tick, and first
-//! on the way back; of these, such as are solved together are run as one. What is neither is refused, by the name of its pass; forward mode over dual numbers has no such bounds.
+//! on the way back; of these, such as are solved together are run as one. What is neither is refused, by the name of its pass; forward
+//! mode over dual numbers has no such bounds.
 
 pub mod alone;
 pub mod numbers;

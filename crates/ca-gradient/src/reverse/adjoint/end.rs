@@ -1,0 +1,78 @@
+//! End: what is owed to all numbers of a scene, behind the way back.
+//!
+//! The sums over all ticks, of what is owed to forces with places and motions, become what is owed to the numbers that multiply these
+//! (docs/numerics.md §9, eq. 3).
+
+use super::Adjoint;
+use crate::parts::{Parts, number};
+use ca_core::Scene;
+
+impl Adjoint<'_> {
+    /// Ends before the first tick: what is owed to all numbers.
+    pub fn end(mut self) -> Vec<f64> {
+        let (scene, place) = (self.scene, self.place);
+        let (coef, owed, n) = (&place.initial.coef, &mut self.owed, scene.layout.n_mat);
+        let own = &scene.initial.coef;
+        // ν is what is owed to the motion to come by this inertia
+        let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
+        for m in 0..n {
+            let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
+            if c == 0.0 {
+                continue;
+            }
+            owed[number(place.initial.d[m])] += by_d[m];
+            owed[number(place.initial.x[m])] += by_both[m] - by_d[m];
+            let [sp, sq, sc] = &self.masses.sums;
+            let at = |sums: &[f64]| sums.get(m).copied().unwrap_or(0.0);
+            owed[number(coef[m])] += at(sp) / c;
+            owed[number(coef[n + m])] += at(sq) / c;
+            if !sc.is_empty() {
+                owed[number(coef[2 * n + m])] += (at(sc) - p * at(sp) - q * at(sq)) / (c * c);
+            }
+        }
+        for l in self.listed.iter().chain(&self.rows) {
+            for i in 0..l.of.n {
+                let [by_e, by_w] = l.products.each_ref().map(|sums| sums.get(i).copied().unwrap_or(0.0));
+                if let Some(ahead) = l.ahead.get(i) {
+                    let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
+                    let more = ahead - by_w;
+                    owed[number(coef[k])] += by_e + own[theta] * more;
+                    owed[number(coef[z])] += by_w + 0.5 * more;
+                    owed[number(coef[theta])] += own[k] * more;
+                    continue;
+                }
+                for (k, [e, w]) in l.of.basis.0.iter().enumerate() {
+                    owed[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
+                }
+            }
+            for (i, alone) in l.alone.iter().enumerate() {
+                let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
+                owed[number(place.layout.e0[l.of.first + i])] += slope * alone;
+            }
+        }
+        for (v, by) in place.initial.mem.iter().zip(&self.mem) {
+            owed[number(*v)] += by;
+        }
+        for (v, by) in place.initial.lengths.iter().zip(&self.lengths) {
+            owed[number(*v)] += by;
+        }
+        self.owed
+    }
+}
+
+/// The inertia of the scene times `v`: of masses, and what implicit links add.
+fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
+    let (n, coef) = (scene.layout.n_mat, &scene.initial.coef);
+    let mut all: Vec<f64> = v.iter().zip(&coef[2 * n..]).map(|(v, c)| if *c == 0.0 { 0.0 } else { v / c }).collect();
+    for k in &parts.implicit {
+        let op = &scene.forces[*k];
+        for i in 0..op.n {
+            let [a, b] = scene.layout.ends[op.first + i].map(|m| m as usize);
+            let [k, z, theta] = [0, 1, 2].map(|k| coef[op.coef + k * op.n + i]);
+            let force = ca_core::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
+            all[b] += force;
+            all[a] -= force;
+        }
+    }
+    all
+}
