@@ -9,10 +9,14 @@ use ca_core_dual::numeric::Dual;
 use std::ops::Range;
 
 /// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
-/// a change by parts of it is rounded away.
-const STEPS: [f64; 11] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5];
-/// How many of them are not wider.
-const NARROW: usize = 4;
+/// a change by parts of it is rounded away, and at last very narrow ones, for curves in tables, whose pieces are short.
+const STEPS: [f64; 13] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e-6, 1e-7];
+/// As many as are trusted by themselves: what is far away on both sides may be smooth without what is between, and a very narrow
+/// step may be nothing to a number.
+const OWN: usize = 4;
+/// From which on they are the very narrow ones, and how far their derivatives may be from those across the corners of a table.
+const NARROWEST: usize = 11;
+const CORNERS: f64 = 1e-3;
 /// How far differences may be off, relative: what is asked for, and what the best of all steps has to reach.
 const ASKED: f64 = 1e-9;
 const ENOUGH: f64 = 1e-7;
@@ -104,9 +108,10 @@ pub fn derivatives(
 ) -> Result<Vec<f64>, Error> {
     let (mut obstacle, size) = (Obstacle::Rough, size(parameter));
     let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut narrow: Option<(f64, Found)> = None;
     for (i, part) in STEPS.into_iter().enumerate() {
         // what was built otherwise by a narrow step is so by a wide one
-        if i == NARROW && !matches!(obstacle, Obstacle::Rough) {
+        if i == OWN && !matches!(obstacle, Obstacle::Rough) {
             break;
         }
         let h = size * part;
@@ -126,9 +131,16 @@ pub fn derivatives(
             found => found,
         };
         match found {
-            Ok(found) => {
+            Ok(mut found) => {
                 let (off, all) = found.derivatives(&start.alike);
                 obstacle = Obstacle::Rough;
+                let near = |off: f64| if i < NARROWEST { 10.0 * off } else { CORNERS };
+                if i >= OWN && narrow.as_ref().is_some_and(|(off, n)| !n.may_be(&all, near(*off))) {
+                    continue;
+                }
+                if i < OWN && narrow.as_ref().is_none_or(|n| off < n.0) {
+                    narrow = Some((off, found));
+                }
                 if best.as_ref().is_none_or(|b| off < b.0) {
                     best = Some((off, all));
                 }
@@ -196,26 +208,49 @@ impl Found {
         }
     }
 
+    /// True where other derivatives agree with these to this part, and are not 0 where these are known not to be.
+    fn may_be(&self, other: &[f64], near: f64) -> bool {
+        let largest = self.largest();
+        let agree = |(i, by): (usize, &f64)| {
+            let apart = (self.high[i] - by * self.h).abs();
+            let lost = *by == 0.0 && self.high[i] != 0.0 && self.is_resolved(i);
+            !lost && apart <= near * (self.change[i] + largest * self.most[i]) + NOTHING
+        };
+        other.iter().enumerate().all(agree)
+    }
+
+    /// How far a difference may be off.
+    fn off(&self, i: usize) -> f64 {
+        (self.high[i] - self.low[i]).abs() + ROUNDING * self.most[i]
+    }
+
+    /// True where it is well above that.
+    fn is_resolved(&self, i: usize) -> bool {
+        self.off(i) <= 1e-4 * self.change[i]
+    }
+
+    /// The largest change of those, in parts of the number.
+    fn largest(&self) -> f64 {
+        let resolved = (0..self.high.len()).filter(|i| self.change[*i] > 0.0 && self.is_resolved(*i));
+        resolved.map(|i| self.change[i] / self.most[i]).fold(0.0, f64::max)
+    }
+
     /// How far the derivatives are off, and these. Each is measured by the change of its number, and by that which would be as
     /// large a part of it as the largest of all that are well resolved: what changes no more than by rounding is then no matter.
-    fn derivatives(mut self, alike: &[Range<usize>]) -> (f64, Vec<f64>) {
+    fn derivatives(&mut self, alike: &[Range<usize>]) -> (f64, Vec<f64>) {
         for range in alike {
             let most = &mut self.most[range.clone()];
             let all = most.iter().copied().fold(0.0, f64::max);
             most.fill(all);
         }
+        let (all, largest) = (0..self.high.len(), self.largest());
         let changes = |i: &usize| self.change[*i] > 0.0;
-        let off = |i: usize| (self.high[i] - self.low[i]).abs() + ROUNDING * self.most[i];
-        let resolved = |i: &usize| off(*i) <= 1e-4 * self.change[*i];
-        let part = |i: usize| self.change[i] / self.most[i];
-        let all = 0..self.high.len();
-        let largest = all.clone().filter(changes).filter(resolved).map(part).fold(0.0, f64::max);
-        let counts = |i: &usize| resolved(i) || self.change[*i] > NOTHING;
-        let part_off = |i: usize| off(i) / (self.change[i] + largest * self.most[i]);
+        let counts = |i: &usize| self.is_resolved(*i) || self.change[*i] > NOTHING;
+        let part_off = |i: usize| self.off(i) / (self.change[i] + largest * self.most[i]);
         let worst = all.clone().filter(changes).filter(counts).map(part_off);
         // a non-finite value is as wrong as can be
         let worst = worst.fold(0.0, |most: f64, v| if v <= most { most } else { v });
-        let none = |i: usize| !resolved(&i) && self.change[i] <= NOTHING;
+        let none = |i: usize| !self.is_resolved(i) && self.change[i] <= NOTHING;
         let derivatives = all.map(|i| if none(i) { 0.0 } else { self.high[i] / self.h }).collect();
         (if worst.is_nan() { f64::INFINITY } else { worst }, derivatives)
     }

@@ -10,7 +10,9 @@
 //! √(2U) at the tick, √k of a linear spring; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes.
 //! Once apart, γ is what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
 //! is 4ψ/(q − s*), q = √(s*² + 4Wψ²), with s* the change that all other forces would cause and W the mobility of this
-//! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing.
+//! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing. Of
+//! several that let go at once ψ falls over some ticks, and below `NOTHING` there is none: the system would have 1/γ², which
+//! is infinite.
 //!
 //! With G the gradients of the active penetrations and W = G M⁻¹Gᵀ T² their mobilities, s = s* − W N. In terms of
 //! y = N − γψ, which is R s:
@@ -88,7 +90,8 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         }
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let eta = contact.penetration(measured.e + layout.e0[op.first + i]);
-        if eta < 0.0 && psi == 0.0 {
+        if eta < 0.0 && psi * psi <= NOTHING {
+            s.mem[mem] = real(0.0);
             continue;
         }
         let link = reach::<G>(op, layout, s, i, contact.side, measured.gradient());

@@ -8,8 +8,8 @@
 
 use crate::numeric::words::word;
 use crate::numeric::{Real, wide};
-use crate::op::Op;
 use crate::op::layout::{Layout, MeasureKind};
+use crate::op::{Op, SolveStage};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
@@ -19,8 +19,8 @@ use core::hash::Hasher as _;
 /// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
 /// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
-/// line first.
-pub const ARITHMETIC: u32 = 3;
+/// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J.
+pub const ARITHMETIC: u32 = 4;
 
 impl Scene {
     /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
@@ -29,6 +29,9 @@ impl Scene {
             let second = op.ports.onto.map(|onto| onto.0);
             op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
         };
+        if self.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)))) {
+            return 4;
+        }
         if self.sorted {
             return 3;
         }

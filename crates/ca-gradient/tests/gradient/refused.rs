@@ -42,6 +42,27 @@ fn at_the_end_of_a_range_the_derivative_is_one_sided() {
     assert!(off(&near) < 1e-5 * most, "{:e} of {most:e}", off(&near));
 }
 
+/// What the start takes of a curve has the slope of the curve where it is: of speeds that are far higher on both sides, none of it
+/// is seen.
+#[test]
+fn a_curve_at_load_has_its_own_slope() {
+    let text = "[MAS]\na = { m = 0.0022, v = V }\nb = { m = 0.0093, x = 0.004, v = -0.83 }\n[BOW]\nr = { between = ['a', 'b'], f = 0.3, method = 'M', v0 = 0.067 }\n[SOX]\no = { from = 'a', hear = 'speed', gain = 0.1 }\n";
+    for method in ["ca", "secant"] {
+        for v in [-1.0, -0.9, -0.7, -0.8] {
+            let at = |v: f64| read(&text.replace('V', &format!("{v:?}")).replace("'M'", &format!("'{method}'")));
+            let t = tangents(&at(v), 50, &["a.v"]);
+            let h = 1e-8;
+            let [up, down] = [v + h, v - h].map(|v| tangents(&at(v), 50, &["a.v"]).output);
+            let most = t.tangents.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            for (k, (up, down)) in up.iter().zip(&down).enumerate() {
+                let difference = (up - down) / (2.0 * h);
+                let off = (t.tangents[k] - difference).abs();
+                assert!(off < 1e-5 * most, "{method}, {v}, sample {k}: {} and {difference}", t.tangents[k]);
+            }
+        }
+    }
+}
+
 /// The numbers themselves have the bits of a render.
 #[test]
 fn the_sound_is_that_of_a_render() {

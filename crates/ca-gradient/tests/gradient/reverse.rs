@@ -134,6 +134,20 @@ const TOGETHER: &[(&str, &str)] = &[
     ),
 ];
 
+/// Contacts that let go together hold less from tick to tick, down to numbers whose inverse is infinite: no derivative may be.
+#[test]
+fn contacts_that_let_go_together_have_finite_derivatives() {
+    let text = "[CEL]\nc = { m = 0.007, f = 822, t60 = 0.7, x = 0.012, v = 0.25 }\n[MAS]\na = { m = '10 g', x = 0.016, v = -1.23 }\nb = { m = '1.7 g', x = 0.020, v = -1.2 }\n[BUT]\nk3 = { between = ['c', 'a'], d = '1.6 mm', k = 12000, z = 3, method = 'stable3d' }\n[HRZ]\nk4 = { between = ['a', 'b'], d = '3.1 mm', k = '33000 N/m^1.5', h = 0.01, method = 'stable3d' }\n[SOX]\no = { from = 'a', gain = 0.1 }\n";
+    let (names, mut wrong) = (["a.m", "a.v", "c.m", "k3.k", "k4.k"], Vec::new());
+    for (k, text) in [text.to_string(), text.replace("stable3d", "stable")].iter().enumerate() {
+        let loaded = read(text);
+        let t = tangents(&loaded, 480, &names);
+        assert!(t.tangents.iter().all(|v| v.is_finite()), "{k}");
+        assert!(both_ways(&format!("{k}"), &loaded, &t, &mut wrong), "{k}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
 #[test]
 fn reverse_knows_what_is_solved_together() {
     let (mut draw, mut wrong) = (Draw(17), Vec::new());
