@@ -3,7 +3,7 @@
 
 use crate::play::{reference, scene, with};
 use ca_core::op::{Band, Vectors};
-use ca_core::{ARITHMETIC, Scene, tick};
+use ca_core::{Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
@@ -73,7 +73,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     for links in written(nx, ny) {
         let text = text(nx, ny, &links, false);
         let mesh = scene(&text);
-        assert!(mesh.sorted && mesh.same_since() == ARITHMETIC, "takes of it from before are compared to rounding");
+        assert!(mesh.sorted && mesh.same_since() == 3, "takes of it from before are compared to rounding");
         assert_eq!(played(&mesh, 500), (sound.clone(), passes.clone()), "{text}");
         // to rounding that of a plain loop over the document
         let plain = with(&text, &reference());
