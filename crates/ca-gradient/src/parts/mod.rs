@@ -213,14 +213,17 @@ impl Parts {
             };
             // a place in a row that no link takes has one end
             let takes = |i: &usize| scene.layout.ends[op.first + i][0] != scene.layout.ends[op.first + i][1];
-            let late = !matches!(law.stage, SolveStage::Explicit);
-            let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: late };
+            let (late, coupled) = match law.stage {
+                SolveStage::Explicit => (false, false),
+                SolveStage::Single(_) => (true, false),
+                SolveStage::Coupled(_) => (true, true),
+            };
+            let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: coupled };
             to.extend((0..op.n).filter(takes).map(link));
             if late && (at_points || !scene.layout.modal_couplings.is_empty()) {
                 return Err(pass(op));
             }
         }
-        parts.last.iter_mut().for_each(|l| l.together = false);
         parts.last.extend(that_touch(together, &scene.initial.coef[2 * scene.layout.n_mat..]));
         // each has what it reads kept before the first of them runs
         parts.last.sort_by_key(Link::op);

@@ -150,26 +150,22 @@ fn contacts_that_let_go_together_have_finite_derivatives() {
 
 #[test]
 fn reverse_knows_what_is_solved_together() {
-    let (mut draw, mut wrong) = (Draw(17), Vec::new());
-    for (title, text) in TOGETHER {
+    all_go_back(17, TOGETHER);
+}
+
+#[test]
+fn reverse_is_forward_however_a_scene_is_laid_out() {
+    all_go_back(11, SCENES);
+}
+
+fn all_go_back(seed: u64, scenes: &[(&str, &str)]) {
+    let (mut draw, mut wrong) = (Draw(seed), Vec::new());
+    for (title, text) in scenes {
         let mut loaded = read(text);
         let names = drawn(&mut loaded, &mut draw);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let t = tangents(&loaded, 1500, &names);
         assert!(t.tangents.iter().any(|v| *v != 0.0), "{title}");
-        assert!(both_ways(title, &loaded, &t, &mut wrong), "{title}");
-    }
-    assert!(wrong.is_empty(), "{wrong:#?}");
-}
-
-#[test]
-fn reverse_is_forward_however_a_scene_is_laid_out() {
-    let (mut draw, mut wrong) = (Draw(11), Vec::new());
-    for (title, text) in SCENES {
-        let mut loaded = read(text);
-        let names = drawn(&mut loaded, &mut draw);
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let t = tangents(&loaded, 1500, &names);
         assert!(both_ways(title, &loaded, &t, &mut wrong), "{title}");
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
