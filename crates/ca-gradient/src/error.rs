@@ -4,6 +4,7 @@
 //! one would be believed.
 
 use ca_io::FileError;
+use ca_model::diag::{Diags, Severity};
 use ca_model::render;
 use cordis_anima::Found;
 use std::fmt;
@@ -24,6 +25,11 @@ pub enum Error {
 impl Error {
     pub(crate) fn refused(what: impl Into<String>) -> Error {
         Error::Refused(what.into())
+    }
+
+    /// The first error among findings.
+    pub(crate) fn first(found: &Diags) -> String {
+        found.list.iter().find(|d| d.severity == Severity::Error).map(|d| d.title.clone()).unwrap_or_default()
     }
 }
 

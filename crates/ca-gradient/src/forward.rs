@@ -311,12 +311,6 @@ impl Forward {
     }
 }
 
-/// The first error among findings of a scene in plain numbers.
-pub(crate) fn first_of(diags: &ca_model::diag::Diags) -> String {
-    let error = diags.list.iter().find(|d| d.severity == ca_model::diag::Severity::Error);
-    error.map(|d| d.title.clone()).unwrap_or_default()
-}
-
 /// The first error among findings.
 fn first(diags: Diags) -> String {
     let error = diags.list.into_iter().find(|d| d.severity == Severity::Error);

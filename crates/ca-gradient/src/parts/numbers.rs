@@ -32,7 +32,7 @@ impl Numbers {
         for p in parameters {
             let other = |value: f64| {
                 let found = finish(&put(p, &loaded.model, value), Diags::new(), &kinds, &bounds);
-                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| crate::forward::first_of(&diags))
+                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| Error::first(&diags))
             };
             all.push(derivatives(&start, p, &other)?);
         }
