@@ -1,4 +1,4 @@
-//! Derivatives of what a scene sounds, and of its energy, for `cordis_anima._gradient`.
+//! Derivatives of what a scene sounds, and of its energy, for `cordis_anima._analysis.gradient`.
 
 use crate::error;
 use crate::gesture::Gesture;

@@ -32,6 +32,19 @@ fn python() -> Option<PathBuf> {
 }
 
 /// By its name `tests/run` tells it from all other tests.
+/// The files of the package, and those of its folders.
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir(to).expect("a folder");
+    for file in std::fs::read_dir(from).expect("a folder of the package").flatten() {
+        let (file, to) = (file.path(), to.join(file.file_name()));
+        if file.is_dir() {
+            copy(&file, &to);
+        } else if file.extension().is_some_and(|e| e == "py" || e == "pyi" || e == "typed") {
+            std::fs::copy(file, to).expect("a copy");
+        }
+    }
+}
+
 #[test]
 fn everything_in_python() {
     let Some(python) = python() else { return };
@@ -44,12 +57,7 @@ fn everything_in_python() {
     let built = built.iter().find(|p| p.exists()).expect("the compiled half");
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("cordis_anima");
-    std::fs::create_dir(&package).expect("a folder");
-    for file in std::fs::read_dir(root().join("crates/ca-py/python/cordis_anima")).expect("the package").flatten() {
-        if file.path().extension().is_some_and(|e| e == "py" || e == "pyi" || e == "typed") {
-            std::fs::copy(file.path(), package.join(file.file_name())).expect("a copy");
-        }
-    }
+    copy(&root().join("crates/ca-py/python/cordis_anima"), &package);
     // with what debuggers want it is large
     std::os::unix::fs::symlink(built, package.join("_core.abi3.so")).expect("a link");
     let command = deps.join("../ca");

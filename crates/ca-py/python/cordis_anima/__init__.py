@@ -16,22 +16,22 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from . import _core, examples
-from ._batch import Batch, batch
+from ._sweeps.batch import Batch, batch
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
-from ._fit import Beyond, Distance, Fit, Fitted, fit
+from ._analysis.fit import Beyond, Distance, Fit, Fitted, fit
 from ._gestures import Curve, Gesture
-from ._gradient import EnergyTangents, Gradient, Tangents
-from ._linear import Linear, Rollout
-from ._measured import Progress
+from ._analysis.gradient import EnergyTangents, Gradient, Tangents
+from ._analysis.linear import Linear, Rollout
+from ._analysis.measured import Progress
 from ._model import Check, Model
-from ._play import Playing
+from ._page.play import Playing
 from ._render import Params, Render
 from ._results import Accuracy, Certificate, Energy, ModeDerivatives, Modes, Param, Port
 from ._scene import Scene
 from ._sim import Block, Inputs, Sim, Snapshot
-from ._sweep import Range, Sweep, sweep
+from ._sweeps.sweep import Range, Sweep, sweep
 from ._take import Fault, Hand, Take, Verdict, record
-from ._view import View
+from ._page.view import View
 
 __version__: str = _core.VERSION
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import _html
+from ._page import html as _html
 from ._results import Energy, Floats, Param, Sound, Status
-from ._view import View
+from ._page.view import View
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -8,19 +8,20 @@ from typing import Any, Literal
 
 import numpy as np
 
-from . import _core, _html
+from . import _core
+from ._page import html as _html
 from ._errors import Diagnostic, UnstableError, UsageError, diagnostics
 from ._gestures import Gesture, Path, made
-from ._gradient import Derivatives
-from ._linear import Rollout
-from ._measured import Measured, Progress
+from ._analysis.gradient import Derivatives
+from ._analysis.linear import Rollout
+from ._analysis.measured import Measured, Progress
 from ._probes import chosen, columns
 from ._render import Params, Render
 from ._results import Certificate, DType, Param, Port, Status, is_double, length, number, value
 from ._results import energy as _energy
-from ._play import Playing
+from ._page.play import Playing
 from ._sim import Sim
-from ._view import View
+from ._page.view import View
 
 #: kinds that are heard as a force
 _FORCES = {"SOF", *(code for code, _, _, family, _ in _core.kinds() if family == "LIA")}

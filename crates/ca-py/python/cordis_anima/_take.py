@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _html
+from . import _core
+from ._page import html as _html
 from ._results import Floats, length
 from ._gestures import Gesture, Path, made
-from ._measured import Progress
+from ._analysis.measured import Progress
 from ._scene import Scene
-from ._view import View
+from ._page.view import View
 
 Texts = npt.NDArray[np.object_]
 #: how much of a take a page plays [s]: takes are long, and what is played is in the page

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ._differentiable import Instances, alone, constants
+from ._analysis.differentiable import Instances, alone, constants
 from ._errors import UsageError, needed
 from ._gestures import Gesture
 from ._scene import Scene

@@ -12,8 +12,8 @@ do with it is left to the caller.
 
 from __future__ import annotations
 
-from ._plot_measured import accuracy, energy, modes
-from ._plot_runs import sweep, take
-from ._plot_sound import probes, sound, spectrogram, spectrum
+from ._plots.measured import accuracy, energy, modes
+from ._plots.runs import sweep, take
+from ._plots.sound import probes, sound, spectrogram, spectrum
 
 __all__ = ["accuracy", "energy", "modes", "probes", "sound", "spectrogram", "spectrum", "sweep", "take"]

@@ -17,7 +17,7 @@ import functools
 from collections.abc import Mapping
 from typing import Any
 
-from ._differentiable import Instances, alone, constants
+from ._analysis.differentiable import Instances, alone, constants
 from ._errors import UsageError, needed
 from ._gestures import Gesture
 from ._scene import Scene

@@ -35,7 +35,7 @@ def test_pages_run_from_top_to_bottom(page: str, capsys: pytest.CaptureFixture[s
 def documents() -> list[tuple[str, str]]:
     """Each document of the package, with where it stands; pytest runs the examples in all of them."""
     found = []
-    for file in sorted(Path(cordis_anima.__file__).parent.glob("*.py")):
+    for file in sorted(Path(cordis_anima.__file__).parent.rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and (text := ast.get_docstring(node)):
                 found.append((f"{file.name}: {getattr(node, 'name', 'the file')}", text))

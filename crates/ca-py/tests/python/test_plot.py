@@ -12,7 +12,7 @@ import pytest
 
 import cordis_anima as ca
 from cordis_anima import plot
-from cordis_anima._plot_measured import _joule
+from cordis_anima._plots.measured import _joule
 from plots import closed, drawn
 
 

@@ -70,7 +70,7 @@ def test_what_does_not_fit_is_refused_before_it_begins(tmp_path, to, monkeypatch
         ca.sweep(string(), {"low.m": ca.Range(1, 2, steps=10**6), "low.k": ca.Range(1, 2, steps=10**6)}, chunk=10**6, **ask)
     assert one.handed == 0 and not list(tmp_path.iterdir())
     # whether it fits is a matter of the machine, and of sounds where they are kept
-    monkeypatch.setattr("cordis_anima._work.memory", lambda: 10_000_000)
+    monkeypatch.setattr("cordis_anima._sweeps.work.memory", lambda: 10_000_000)
     assert ca.sweep(string(), vary, 100, seconds=0.1).runs == 100
     if to is None:
         with pytest.raises(ca.UsageError, match="rows and sounds take"):
@@ -82,8 +82,8 @@ def test_what_takes_long_says_so_first(monkeypatch, tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ca.sweep(string(), vary, 20, seconds=1e-3)
-    monkeypatch.setattr("cordis_anima._work._LONG", 0.0)
-    monkeypatch.setattr("cordis_anima._work._WATCHED", 0.0)
+    monkeypatch.setattr("cordis_anima._sweeps.work._LONG", 0.0)
+    monkeypatch.setattr("cordis_anima._sweeps.work._WATCHED", 0.0)
     # in memory before anything is handed over, elsewhere once something is done; once in any case
     for to, left in [(None, 19), (tmp_path / "a", 15)]:
         with pytest.warns(UserWarning, match=rf"^{left} runs are left, which take about .* Ctrl-C") as reported:

@@ -10,11 +10,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import UsageError
-from ._results import length
-from ._gestures import Gesture, Path, made
-from ._measured import Progress
-from ._scene import Scene
+from .._errors import UsageError
+from .._results import length
+from .._gestures import Gesture, Path, made
+from .measured import Progress
+from .._scene import Scene
 
 
 class Distance(NamedTuple):

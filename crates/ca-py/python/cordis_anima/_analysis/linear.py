@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import UsageError
-from ._results import Floats, Status
+from .._errors import UsageError
+from .._results import Floats, Status
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ import threading
 import weakref
 from collections.abc import Sequence
 
-from . import _core
-from ._errors import FailedError, UsageError
+from .. import _core
+from .._errors import FailedError, UsageError
 
 #: how long the program may take until it says where its page is [s]
 _PATIENCE = 60.0

@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from ._errors import MissingError
-from ._results import Floats
+from .._errors import MissingError
+from .._results import Floats
 
 try:
     import matplotlib.pyplot as plt

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
-from ._errors import UsageError
-from ._gestures import Gesture, made
-from ._measured import Progress
-from ._probes import columns
-from ._results import DType, Floats, Sound, is_double, length, value, whole
-from ._scene import Scene
+from .. import _core
+from .._errors import UsageError
+from .._gestures import Gesture, made
+from .._analysis.measured import Progress
+from .._probes import columns
+from .._results import DType, Floats, Sound, is_double, length, value, whole
+from .._scene import Scene
 
 #: most instances
 _MOST = 1_000_000

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ._results import Param, Port, Sound
+from .._results import Param, Port, Sound
 
 #: columns of a drawn waveform
 _WIDTH = 600

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import UsageError
-from ._linear import Linear
-from ._results import Floats, ModeDerivatives
+from .._errors import UsageError
+from .linear import Linear
+from .._results import Floats, ModeDerivatives
 
 #: weights of the matrices at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth
 _EIGHTH = (4 / 5, -1 / 5, 4 / 105, -1 / 280)

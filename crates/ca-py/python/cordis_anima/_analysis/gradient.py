@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
-from ._errors import UsageError
-from ._gestures import Gesture, made
-from ._results import Floats, length, reals, whole
+from .. import _core
+from .._errors import UsageError
+from .._gestures import Gesture, made
+from .._results import Floats, length, reals, whole
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]

@@ -9,7 +9,7 @@ import functools
 import pickle
 from typing import Any
 
-from . import _core
+from .. import _core
 
 class Job:
     """All that a worker needs: pickled, a model of some kilobytes; the scene is compiled where it is played."""

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
-from ._errors import UsageError, needed
-from ._job import Job
+from .. import _core
+from .._errors import UsageError, needed
+from .job import Job
 
 
 #: runs of a chunk, bytes of its sounds, and tasks that there are at least, where nothing is said

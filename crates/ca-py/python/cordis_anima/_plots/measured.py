@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._axes import (
+from .axes import (
     DEPTH,
     DUST,
     GAIN,
@@ -19,9 +19,9 @@ from ._axes import (
     hertz,
     named,
 )
-from ._errors import UsageError
-from ._render import Render
-from ._results import Accuracy, Energy, Modes
+from .._errors import UsageError
+from .._render import Render
+from .._results import Accuracy, Energy, Modes
 
 #: what rings longer than a day does not fall [s]
 _DAY = 86400.0

@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from ._batch import batch
-from ._errors import FailedError, UsageError
-from ._gestures import Gesture, made
-from ._results import Floats, Sound, length, whole
-from ._scene import Scene
+from .._sweeps.batch import batch
+from .._errors import FailedError, UsageError
+from .._gestures import Gesture, made
+from .._results import Floats, Sound, length, whole
+from .._scene import Scene
 
 
 class Instances:

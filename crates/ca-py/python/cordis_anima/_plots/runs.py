@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ._axes import DUST, LOSS, STOCK, Artist, Axes, FixedFormatter, FixedLocator, along_x, given_or_new, named, plt
-from ._errors import UsageError
-from ._results import Floats
-from ._sweep import Sweep
-from ._take import Take
+from .axes import DUST, LOSS, STOCK, Artist, Axes, FixedFormatter, FixedLocator, along_x, given_or_new, named, plt
+from .._errors import UsageError
+from .._results import Floats
+from .._sweeps.sweep import Sweep
+from .._take import Take
 
 #: columns of a sweep that say nothing of a run which was not played to its end
 _HEARD = ("peak", "rms", "partial", "t60", "residual")

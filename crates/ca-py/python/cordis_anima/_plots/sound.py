@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ._axes import (
+from .axes import (
     DEPTH,
     NOTHING,
     Affine2D,
@@ -26,9 +26,9 @@ from ._axes import (
     named,
     plt,
 )
-from ._errors import UsageError
-from ._render import Render
-from ._results import Floats, Modes, Sound
+from .._errors import UsageError
+from .._render import Render
+from .._results import Floats, Modes, Sound
 
 Ints = npt.NDArray[np.int64]
 

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Any
 
-from ._errors import UsageError
+from .._errors import UsageError
 
 Task = functools.partial[Any]
 

@@ -2,7 +2,7 @@
 
 Decides that whoever computes a run is an `Executor` of the standard library, and that what is handed to it is plain: a job
 that can be pickled, and numbers of runs. So threads, processes, joblib, Dask, MPI and Ray are the same to it. How they are
-handed over is decided in `_work`.
+handed over is decided in `work`.
 """
 
 from __future__ import annotations
@@ -21,13 +21,15 @@ from typing import Any, Literal, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _html, _work, _zarr
-from ._errors import FailedError, UsageError, needed
-from ._job import Job, fill, play
-from ._results import Floats, Sound, length, value, whole
-from ._gestures import Gesture, Path, made
-from ._measured import Progress
-from ._scene import Scene
+from .._page import html as _html
+from . import work as _work
+from . import zarr as _zarr
+from .._errors import FailedError, UsageError, needed
+from .job import Job, fill, play
+from .._results import Floats, Sound, length, value, whole
+from .._gestures import Gesture, Path, made
+from .._analysis.measured import Progress
+from .._scene import Scene
 
 #: how many rows a notebook shows, and what of them besides what was varied
 _SHOWN = 10

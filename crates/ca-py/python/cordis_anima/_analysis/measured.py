@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from . import _core
-from ._errors import UsageError
-from ._gradient import named
-from ._linear import Linear
-from ._mode_derivatives import derivatives
-from ._results import Accuracy, ModeDerivatives, Modes, number
+from .. import _core
+from .._errors import UsageError
+from .gradient import named
+from .linear import Linear
+from .mode_derivatives import derivatives
+from .._results import Accuracy, ModeDerivatives, Modes, number
 
 #: called with what is done and how much there is; an exception ends the call
 Progress = Callable[[int, int], object]
