@@ -143,11 +143,13 @@ impl Reverse {
     /// # Errors
     /// [`Error::Gesture`] where the gesture does not fit the model.
     pub fn knows(&self, gesture: Option<&Gesture>) -> Result<bool, Error> {
-        Ok(!self.starts_with_hands(&Performance::new(&self.scene, gesture)?))
+        Ok(self.starting_port(&Performance::new(&self.scene, gesture)?).is_none())
     }
 
-    fn starts_with_hands(&self, p: &Performance) -> bool {
-        self.scene.before.is_some() && (0..self.scene.inputs.len()).any(|i| p.hand(i).is_some())
+    /// The first port of which the start knows where it is.
+    fn starting_port(&self, p: &Performance) -> Option<&str> {
+        let mut inputs = self.scene.inputs.iter().enumerate().filter(|_| self.scene.before.is_some());
+        inputs.find(|(i, _)| p.hand(*i).is_some()).map(|(_, input)| input.name.as_str())
     }
 
     /// Back from coefficients that ports drive: at the end of a frame they are what the table says of the port as the frame begins, and on a

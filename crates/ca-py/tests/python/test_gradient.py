@@ -159,7 +159,7 @@ def test_a_port_under_way_at_load_goes_forward() -> None:
     scene, hand = ca.parse(text), {"e": np.linspace(0, 1e-3, 100)}
     g = scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand)
     assert g.mode == "forward" and g["a.m"] != 0
-    with pytest.raises(ca.UsageError, match="part of the start"):
+    with pytest.raises(ca.UsageError, match="where the port `e` is at load is part of the start"):
         scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand, mode="reverse")
     assert scene.gradient(["a.m"], cotangent=np.ones(100)).mode == "reverse"
 
