@@ -1,7 +1,7 @@
 //! Sound in: a recording that a model is compared with.
 //!
 //! Decides that a recording is read as a WAV gesture is, by the same code: full scale is 1, integers of every width and
-//! floats are taken, a sample without a value is refused with its place. It keeps its own rate; nothing is resampled, since a
+//! floats of 32 and 64 bits are taken, a sample without a value is refused with its place. It keeps its own rate; nothing is resampled, since a
 //! model can be compiled at any rate and a filter would stand between the two.
 
 use crate::error::{FileError, FileErrorKind};

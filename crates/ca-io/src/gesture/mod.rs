@@ -22,6 +22,7 @@ mod csv;
 mod midi;
 mod midi_port;
 mod npy;
+mod riff;
 mod smf;
 mod track;
 pub(crate) mod wav;
