@@ -146,6 +146,32 @@ fn what_is_odd_still_has_a_page() {
     browse(&desk, &["quiet.html", "mute.html", "empty.html", "wild.html", "one.html", "loud.html"]);
 }
 
+/// What an output hears is drawn on the axis of its quantity: a coil hears a speed, and no metres.
+#[test]
+fn what_outputs_hear_is_drawn_in_its_unit() {
+    let desk = Desk::new();
+    let all = ["position", "speed", "acceleration", "force"];
+    let outputs = all.map(|hear| format!("{hear} = {{ from = \"{hear}_bar\", hear = \"{hear}\" }}\n")).concat();
+    let bars = all.map(|hear| format!("{hear}_bar = {{ m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }}\n")).concat();
+    desk.put("bars.ca.toml", &format!("[CEL]\n{bars}[SOX]\n{outputs}"));
+    desk.ca(&["report", "bars.ca.toml", "--seconds", "0.1", "--accuracy", "0"]);
+    let page = Page::of(&desk, "bars.html");
+    let of = 2.0 * std::f64::consts::PI * 220.0;
+    for (quantity, hear, peak) in [
+        ("displacement", "position", 1e-3),
+        ("speed", "speed", 1e-3 * of),
+        ("acceleration", "acceleration", 1e-3 * of * of),
+        ("force", "force", 1e-6 * of * of),
+    ] {
+        let plot = page.plot(quantity);
+        assert_eq!(names(plot), [format!("{hear}_bar")]);
+        let text = plot["curves"][0].to_string();
+        let numbers = text.split(|c: char| !"+-.0123456789eE".contains(c)).filter_map(|v| v.parse::<f64>().ok());
+        let most = numbers.fold(0.0_f64, |m, v| m.max(v.abs()));
+        assert!((most / peak - 1.0).abs() < 0.02, "{quantity}: {most}, not {peak}");
+    }
+}
+
 /// An output that hears a force may hear every mode: none of them is called silent, all are marked.
 #[test]
 fn modes_are_not_silent_to_who_hears_forces() {

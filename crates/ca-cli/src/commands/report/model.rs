@@ -162,32 +162,48 @@ fn of_output<'a>(items: &'a [Item], probe: &str) -> Option<&'a str> {
     if let Value::Text(text) = &from.value { Some(text) } else { None }
 }
 
+/// What is drawn, each on an axis of its own: title, quantity and unit.
+const DRAWN: [(&str, &str, &str); 4] = [
+    ("Displacement", "displacement", "m"),
+    ("Speed", "speed", "m/s"),
+    ("Acceleration", "acceleration", "m/s²"),
+    ("Force", "force", "N"),
+];
+
+/// Which of these a probe is: of an output what it hears.
+fn drawn(items: &[Item], scene: &Scene, name: &str) -> usize {
+    let is_link =
+        |s: &ca_core::scene::Symbol| s.name == name && matches!(s.location, ca_core::scene::Location::Lia(..));
+    let item = items.iter().find(|i| i.name == name);
+    let hears = item.and_then(|i| i.args.iter().find(|e| e.key == "hear")).map(|e| &e.value);
+    match hears {
+        Some(Value::Text(text)) if text == "speed" => 1,
+        Some(Value::Text(text)) if text == "acceleration" => 2,
+        Some(Value::Text(text)) if text == "force" => 3,
+        _ if item.is_some_and(|i| i.kind == "SOF") || scene.symbols.iter().any(|s| is_link(&s)) => 3,
+        _ => 0,
+    }
+}
+
 /// Motions and forces over time.
 fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -> Option<Section> {
     let items = &loaded.model.items;
-    let is_force = |name: &str| {
-        let link =
-            scene.symbols.iter().any(|s| s.name == name && matches!(s.location, ca_core::scene::Location::Lia(..)));
-        link || items.iter().any(|i| i.name == name && i.kind == "SOF")
-    };
-    let (mut places, mut forces): (Vec<Curve>, Vec<Curve>) = (Vec::new(), Vec::new());
+    let mut all: [Vec<Curve>; DRAWN.len()] = Default::default();
     for (k, (name, of)) in scene.probe_names.iter().zip(&scene.probe_of).enumerate() {
         let asked = probes.get(*of as usize).map_or("", String::as_str);
         // of an output that hears several, each by its own name
         let shown = of_output(items, asked).filter(|_| name == asked).unwrap_or(name);
-        let list = if is_force(name) || is_force(asked) { &mut forces } else { &mut places };
+        let list = &mut all[drawn(items, scene, name).max(drawn(items, scene, asked))];
         if list.iter().all(|c| c.name != shown) {
             list.push(Curve::line(shown, motion.curve(k)));
         }
     }
     let mut blocks = Vec::new();
-    for (title, axis, curves) in
-        [("Displacement", Axis::linear("displacement", "m"), places), ("Force", Axis::linear("force", "N"), forces)]
-    {
+    for ((title, quantity, unit), curves) in DRAWN.into_iter().zip(all) {
         let more = curves.len().saturating_sub(CURVES);
         let curves: Vec<Curve> = curves.into_iter().take(CURVES).collect();
         if !curves.is_empty() {
-            blocks.push(Block::Plot(Plot::over_time(title, axis, motion.grid(), curves)));
+            blocks.push(Block::Plot(Plot::over_time(title, Axis::linear(quantity, unit), motion.grid(), curves)));
         }
         if more > 0 {
             blocks.push(Block::Text(format!("{more} more are not drawn; `ca render --probe` writes all of them.")));
