@@ -215,6 +215,12 @@ pub fn unbalanced(b: &Balance) -> Option<f64> {
     (!balances).then_some(b.residual)
 }
 
+/// What the scheme made out of nothing, where that is more than all that was put in \[J\]: then it is what is heard, and not the model.
+pub fn made(b: &Balance) -> Option<f64> {
+    let put_in = [b.h0, b.work, b.changed].map(f64::abs).iter().sum::<f64>();
+    (b.scheme_error > put_in.max(NOTHING)).then_some(b.scheme_error)
+}
+
 /// The gain that would just fit, three digits, towards zero.
 pub fn gain(peak: f64) -> f64 {
     let ten = (1.0 / peak).log10().floor() - 2.0;

@@ -88,6 +88,24 @@ fn levels_beyond_any_loudspeaker_are_words() {
     desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(0).says(&["faint silent", "nothing sounds", "`gain`"]);
 }
 
+/// Energy that no hand put in is not the model's: who made it is named, and the exit code says that it is not as meant.
+#[test]
+fn a_link_that_makes_more_energy_than_was_put_in_is_named() {
+    let desk = Desk::new();
+    let text = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"1 s\" }\n[MAS]\nbob = { m = \"20 g\", x = \"-5 mm\", v = \"1 m/s\" }\n\
+                [BUT]\nhit = { between = [\"bob\", \"bar\"], k = K }\n[SOX]\nout = { from = \"bar\", gain = 1e-20 }\n";
+    for (k, code) in [("\"8 kN/m\"", 0), ("\"1e30 N/m\"", 3)] {
+        desk.put("model.ca.toml", &text.replace('K', k));
+        let r = desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(code);
+        assert_eq!(r.err.contains("`hit` made"), code == 3, "{}", r.err);
+    }
+    desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"])
+        .says(&["more than all that was put in, 0.0100 J", "`method = \"stable\"`"]);
+    let text = text.replace('K', "\"1e30 N/m\", method = \"stable\"");
+    desk.put("model.ca.toml", &text);
+    desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(0);
+}
+
 /// What a certificate is about, in the commands that show it.
 #[test]
 fn what_was_not_judged_and_what_has_no_limit_is_said() {

@@ -135,7 +135,9 @@ fn a_gesture_file_plays() {
     desk.ca(&["render", "struck.ca.toml", "--gesture", "key.csv", "-q"]).is(0);
     assert!(peak(&desk.wav("struck.wav").1) > 0.1);
     // takes the place of the built-in one
-    desk.ca(&["render", "struck.ca.toml", "--gesture", "still.csv"]).is(0).says(&["nothing sounds", "`key`"]);
+    desk.ca(&["render", "struck.ca.toml", "--gesture", "still.csv"])
+        .is(0)
+        .says(&["nothing sounds, what its gesture moves does", "`key`"]);
     assert_eq!(peak(&desk.wav("struck.wav").1), 0.0);
     // two files together
     desk.put("z.csv", "time,z\n0,1\n3.5,5\n5,5\n");

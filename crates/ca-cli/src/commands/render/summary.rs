@@ -17,7 +17,7 @@ use ca_io::ending::Ended;
 use ca_io::slow::EDGE;
 use ca_io::sound::Written;
 pub(crate) use ca_lab::play::{Divergence, relative};
-use ca_lab::play::{gain, unbalanced};
+use ca_lab::play::{gain, made, unbalanced};
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -98,7 +98,13 @@ pub(crate) fn joule(v: f64) -> String {
 impl Summary<'_> {
     /// Whether something is not as meant.
     pub fn degraded(&self) -> bool {
-        self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || self.unbalanced().is_some()
+        let energy = self.unbalanced().is_some() || self.made().is_some();
+        self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || energy
+    }
+
+    /// What the scheme made, where that is more than was put in \[J\].
+    fn made(&self) -> Option<f64> {
+        made(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
 
     /// The residual of the ledger, where that does not balance \[J\].
@@ -157,12 +163,27 @@ impl Summary<'_> {
                 let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it by the {n}"));
                 format!("it can be played at {} by `--gesture`{midi}", ticked(ports.into_iter()))
             };
-            term::note(&format!("nothing sounds; {help}"));
+            let plays = !self.args.playing.gesture.is_empty() || !self.scene.gestures.is_empty();
+            let why = if plays { ", what its gesture moves does not reach an output" } else { "" };
+            term::note(&format!("nothing sounds{why}; {help}"));
         }
         if let Some(residual) = self.unbalanced() {
             let what = format!("the energy ledger does not balance: {} are not accounted for", joule(residual));
             let help = "parameters or places are beyond what 64-bit numbers add up, or this is an error of the program";
             term::warning(&format!("{what}; {help}, see `{}`", self.check()));
+        }
+        if let (Some(made), Some(audit)) = (self.made(), self.energy) {
+            let b = audit.ledger.balance();
+            let by: Vec<String> =
+                makers(self.audited, &audit.ledger, NAMED).into_iter().map(|(name, _)| name).collect();
+            let by = ticked(by.iter().map(String::as_str));
+            let what = format!(
+                "{by} made {} of energy, more than all that was put in, {}",
+                joule(made),
+                joule(b.h0 + b.work + b.changed)
+            );
+            let help = "what is heard is the error of the scheme; soften it, or give it `method = \"stable\"`";
+            term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
         if self.refused > 0 {
             term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
