@@ -93,8 +93,8 @@ pub enum Command {
     Set(SetArgs),
     /// Turns the forces of a running `ca serve` on
     ///
-    /// Once armed, forces fade in within a second, as soon as nothing pushes; `ca status` says what an armed device waits
-    /// for. After a fault forces stay off until somebody arms again; a model that diverged is loaded again first.
+    /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed
+    /// device waits for. After a fault forces stay off until somebody arms again; a model that diverged is loaded again first.
     Arm(ArmArgs),
     /// Turns the forces of a running `ca serve` off at once
     ///
@@ -259,7 +259,8 @@ pub struct RenderArgs {
 /// of instructions predicts, at what an instruction takes here in a network of links that are looked up one by one. With `--device`, what of it that
 /// device can render: each key's stiffness against the device's own and against what stays passive, the force over the
 /// travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
-/// or asks more of the device than it can give.
+/// or asks more of the device than it can give: stiffness, travel, degrees of freedom. A force that only passes the largest is
+/// none of these: it is rendered up to that, as at every hard stop.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:

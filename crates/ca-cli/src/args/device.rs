@@ -46,6 +46,10 @@ pub enum DeviceCommand {
     /// Writes down what a device says at its two stops, so that its positions are metres
     Calibrate(CalibrateArgs),
     /// Tests a running device process, with forces
+    ///
+    /// It asks of the device all that the engine relies on, and its last phases move the device by forces: take your hands off, and
+    /// keep a switch that cuts the power of the motors within reach; software does not replace it (docs/safety.md). `--force 0` leaves
+    /// these phases out. Exit code 1 where something is not as it must be.
     Conformance(ConformanceArgs),
 }
 

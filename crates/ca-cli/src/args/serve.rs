@@ -109,10 +109,7 @@ pub struct SetArgs {
     pub json: bool,
 }
 
-/// Turns the forces of a running `ca serve` on or off
-///
-/// Once armed, forces fade in within a second, as soon as nothing pushes. A fault turns them off until somebody arms
-/// again; a model that diverged is loaded again first.
+/// Of which device forces are turned on or off; what it does is said where the commands are listed.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca arm

@@ -213,6 +213,10 @@ fn every_command_explains_itself() {
         let paragraphs = about.split("\n\n").filter(|p| !p.trim().is_empty()).count();
         assert!(paragraphs >= 2, "ca {command} --help says no more than the list:\n{help}");
     }
+    // what may move a hand leads to the page of safety
+    for command in [&["serve"][..], &["device", "conformance"]] {
+        desk.ca(&[command, &["--help"]].concat()).is(0).says(&["a switch that cuts the power of the motors"]);
+    }
 }
 
 #[test]

@@ -134,7 +134,6 @@ impl<'a> DeviceDemands<'a> {
         let p = self.profile;
         writeln!(out, "\nOn {} (`{}`):", p.title, p.name)?;
         let metre = |v: f64| show(short(v).parse().unwrap_or(v), Unit::METRE);
-        let newton = |v: f64| show(short(v).parse().unwrap_or(v), Unit::NEWTON);
         let own = p.stiffness.map_or("stiffness not known".into(), |k| format!("stiffness {}", quantity(k)));
         writeln!(
             out,
@@ -250,6 +249,7 @@ impl<'a> DeviceDemands<'a> {
             [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
             [false, true] => format!("× {} what stays passive", times(self.passive)),
             [false, false] if self.outside(r) => return "beyond its travel".into(),
+            [false, false] if r.saturates.is_some() => return format!("rendered up to {}", newton(self.profile.force)),
             [false, false] => return "rendered".into(),
         };
         if self.outside(r) { format!("{forces}, beyond its travel") } else { forces }
@@ -280,6 +280,10 @@ impl<'a> DeviceDemands<'a> {
             "too_much": self.too_much(),
         })
     }
+}
+
+fn newton(v: f64) -> String {
+    show(short(v).parse().unwrap_or(v), Unit::NEWTON)
 }
 
 /// Device port number `t` of the scene.
