@@ -116,7 +116,7 @@ fn no_model(word: &str) -> String {
         .flatten()
         .flatten()
         .map(|f| path.with_file_name(f.file_name()).to_string_lossy().into_owned())
-        .filter(|f| f.ends_with(".ca.toml") || has_extension(Path::new(f), "mdl"))
+        .filter(|f| f.ends_with(".ca.toml") || ca_import::reads(f))
         .collect();
     let own = format!("{word}.ca.toml");
     let names = BUNDLED.iter().map(|m| m.0);

@@ -96,11 +96,8 @@ pub fn record(
 fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> {
     let model = &loaded.model;
     if !model.text.is_empty() {
-        let mut original = if load::has_extension(Path::new(&model.file), "mdl") {
-            Loaded::import(&model.text, &model.file)
-        } else {
-            load::read_again(model)
-        };
+        let mut original =
+            if loaded.is_imported() { Loaded::import(&model.text, &model.file) } else { load::read_again(model) };
         let changes = changes(&original.model, model);
         let known = changes.iter().all(|(name, text)| original.model.set(name, text));
         original.look();

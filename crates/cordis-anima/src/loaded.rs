@@ -51,8 +51,11 @@ impl Loaded {
     pub fn open(path: impl AsRef<Path>) -> Result<Loaded, FileError> {
         let path = path.as_ref();
         let file = path.to_string_lossy();
-        let mims = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("mdl"));
-        Ok(if mims { Loaded::import(&mims_text(path)?, &file) } else { Loaded::read(&text(path)?, &file) })
+        Ok(if ca_import::reads(&file) {
+            Loaded::import(&mims_text(path)?, &file)
+        } else {
+            Loaded::read(&text(path)?, &file)
+        })
     }
 
     /// A model from its text; `file` is its name in reports, and where the files it names are looked for.
@@ -67,13 +70,18 @@ impl Loaded {
         Loaded::found(model, diags, file)
     }
 
-    /// A model from a MIMS text. With errors, the model is empty but for the text they point into.
+    /// A model from a text of others, such as MIMS. With errors, the model is empty but for the text they point into.
     pub fn import(text: &str, file: &str) -> Loaded {
-        let (mut model, diags) = mims::import(text, file);
+        let (mut model, diags) = ca_import::import(text, file);
         if diags.has_errors() {
             model = Model { file: file.into(), text: text.into(), ..Model::default() };
         }
         Loaded::found(model, diags, file)
+    }
+
+    /// True where it was read from a format of others, so that its text is not one of ours.
+    pub fn is_imported(&self) -> bool {
+        ca_import::reads(&self.model.file)
     }
 
     /// A model that was built by a program.

@@ -18,7 +18,6 @@ use crate::version::ModelText;
 use ca_compile::{Compiled, KernelClass, Options};
 use ca_core::kind::cloud::Clouds;
 use ca_core::{ARITHMETIC, Catalog, Scene};
-use ca_import::mims;
 use ca_io::cloud;
 use ca_io::error::FileError;
 use ca_model::Model;
@@ -126,8 +125,11 @@ impl Header {
     /// # Errors
     /// Where a file of the model is missing in the take.
     pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
-        let mdl = self.file.to_ascii_lowercase().ends_with(".mdl");
-        let (mut model, found) = if mdl { mims::import(&self.text, &self.file) } else { self.text_of().read(catalog) };
+        let (mut model, found) = if ca_import::reads(&self.file) {
+            ca_import::import(&self.text, &self.file)
+        } else {
+            self.text_of().read(catalog)
+        };
         for (name, value) in &self.changes {
             if !model.set(name, value) {
                 return Err(FileError::content(format!("its model has no `{name}`, which was set to `{value}`")));

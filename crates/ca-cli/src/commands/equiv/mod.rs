@@ -21,8 +21,8 @@ use std::path::Path;
 pub fn run(args: &EquivArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
     let mut scene = load::scene(&loaded, &Options::default())?;
-    let mdl = load::has_extension(Path::new(&args.model), "mdl");
-    let mut text = if mdl { write::write(&loaded.model) } else { loaded.model.text.clone() };
+    let imported = loaded.is_imported();
+    let mut text = if imported { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
         text = edit::edit(&text, &loaded.model, &scene.equivalence, args)?;
         loaded = ca_lab::load::reread(&loaded, &text);
@@ -30,8 +30,9 @@ pub fn run(args: &EquivArgs) -> Outcome {
     }
     if args.to.in_place {
         let path = Path::new(&args.model);
-        if mdl || !path.exists() {
-            let why = if mdl { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
+        if imported || !path.exists() {
+            let why =
+                if imported { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
             return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
         }
         atomic_file::write(path, text.as_bytes())?;

@@ -29,7 +29,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
         return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
     }
-    if writes && load::has_extension(Path::new(&args.model), "mdl") {
+    if writes && loaded.is_imported() {
         return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
     }
     // what is varied is written with its value found, wherever it started

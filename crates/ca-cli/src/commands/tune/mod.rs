@@ -67,7 +67,7 @@ impl Tuned {
 /// Runs the command.
 pub fn run(args: &TuneArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
-    if load::has_extension(Path::new(&args.model), "mdl") {
+    if loaded.is_imported() {
         return Err(Failure::Usage("a MIMS file cannot be tuned; `ca import` makes a model file of it".into()));
     }
     load::scene(&loaded, &Options::default())?;
