@@ -170,6 +170,9 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
     if let Some(r) = ask.ranges.iter().find(|r| !ask.vary.contains(&r.name)) {
         return Err(Failure::Usage(format!("`{}` has a range and is not varied", r.name)));
     }
+    if ask.gain.is_some_and(|gain| gain == 0.0 || !gain.is_finite()) {
+        return Err(Failure::Usage("the gain is a number other than 0".into()));
+    }
     let n = varied.len() as u32;
     if ask.renders < FEW + 2 * n {
         let what = format!("{} renders are too few for {n} numbers", ask.renders);

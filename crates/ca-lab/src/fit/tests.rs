@@ -290,6 +290,22 @@ fn what_is_not_fitted_is_predicted() {
     assert!(page.contains("What is left") && page.contains("low.f") && page.contains("damped sinusoids"));
 }
 
+/// How hard and from where a blow came: numbers that may be negative, of a mass on a line.
+#[test]
+fn a_speed_and_a_place_are_found() {
+    let hit = model(&MINE.replace("v = \"1 m/s\"", "v = \"1.3 m/s\""), &[]);
+    let (vary, go) = (names(&["hammer.v"]), &mut |_: u32, _: u32| true);
+    let ask = &mut FitOptions { gain: Some(1.0), ..options(&vary, &[], go) };
+    let found = fit(&model(MINE, &[]), &recorded(&hit, 0.3), ask).unwrap();
+    assert!((found.fitted[0].value - 1.3).abs() < 1e-4, "{}", found.fitted[0].value);
+    let bent = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"1 s\", dx0 = \"-2 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
+    let start = model(&bent.replace("-2 mm", "-1 mm"), &[]);
+    let (vary, go) = (names(&["bar.dx0"]), &mut |_: u32, _: u32| true);
+    let ask = &mut FitOptions { gain: Some(1.0), ..options(&vary, &[], go) };
+    let found = fit(&start, &recorded(&model(bent, &[]), 0.3), ask).unwrap();
+    assert!((found.fitted[0].value + 2e-3).abs() < 1e-6, "{}", found.fitted[0].value);
+}
+
 #[test]
 fn what_cannot_be_fitted_is_refused() {
     let mine = model(MINE, &[]);
@@ -305,6 +321,11 @@ fn what_cannot_be_fitted_is_refused() {
     ] {
         let said = failure(&mine, &recording, vary);
         assert!(said.contains(word), "{vary:?}: {said}");
+    }
+    for gain in [0.0, f64::NAN, f64::INFINITY] {
+        let (vary, go) = (names(&["low.f"]), &mut |_: u32, _: u32| true);
+        let said = fit(&mine, &recording, &mut FitOptions { gain: Some(gain), ..options(&vary, &[], go) }).err();
+        assert!(matches!(&said, Some(Failure::Usage(what)) if what.contains("other than 0")), "{gain}: {said:?}");
     }
     let follows = model(
         &MINE.replace("\"110 Hz\"", "\"pitch\"").replace("[STRING]", "[param]\npitch = \"110 Hz\"\n[STRING]"),

@@ -223,6 +223,8 @@ fn range(known: &Param) -> Option<([f64; 2], &'static str)> {
     match known.ty {
         Type::Number { unit, min, max } | Type::Numbers { unit, min, max } => Some(([min, max], unit.symbol)),
         Type::PowerStiffness { .. } => Some(([0.0, f64::MAX], "")),
+        // a number of what moves on a line; in space it is a list, and refused as such
+        Type::Position { unit } => Some(([f64::MIN, f64::MAX], unit.symbol)),
         _ => None,
     }
 }
