@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,13 @@ def chain(n: int = 20) -> ca.Scene:
         .add("SOX", "out", from_="s[3]")
         .compile()
     )
+
+
+def test_modes_are_pickled_with_their_derivatives() -> None:
+    modes = ca.examples.string().modes()
+    there = pickle.loads(pickle.dumps(modes))
+    assert np.array_equal(there.heard, modes.heard)
+    assert np.array_equal(there.derivative(["low.f"]).heard, modes.derivative(["low.f"]).heard, equal_nan=True)
 
 
 def test_modes_of_a_string_are_its_closed_form() -> None:

@@ -134,6 +134,8 @@ def fit(
             raise UsageError("`sr` is for samples; a file has its own rate")
         given = os.fspath(target)
     else:
+        if np.iscomplexobj(target):
+            raise UsageError("a recording is of real numbers")
         samples = np.asarray(target, dtype=np.float64)
         if samples.ndim == 1:
             samples = samples[:, None]

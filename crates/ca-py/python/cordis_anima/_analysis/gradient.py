@@ -157,7 +157,8 @@ class Derivatives:
     def tangents(
         self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None
     ) -> Tangents:
-        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences.
+        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences. The
+        sound is that before anything is cut off at full scale, as `render` does.
 
         Args:
             wrt: names as `replace` takes them, e.g. ``"low.f"``, ``"hammer.v"``, and numbers of lists, e.g. ``"ball.v[1]"``.

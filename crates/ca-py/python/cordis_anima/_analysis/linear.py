@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import UsageError
+from .._errors import UsageError, needed
 from .._results import Floats, Status
 
 
@@ -75,10 +75,7 @@ class Linear:
 
     @classmethod
     def _of(cls, raw: dict[str, Any]) -> Linear:
-        try:
-            sparse: Any = import_module("scipy.sparse")
-        except ImportError:
-            raise UsageError('matrices need SciPy: pip install "cordis-anima[linear]"') from None
+        sparse: Any = needed("scipy.sparse", "linear")
         places, driven = tuple(raw["places"]), tuple(name for name in raw["driven"])
         n, T = len(places), float(raw["tick"])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from .. import _core
@@ -33,7 +34,7 @@ class Measured:
         (True, True)
         """
         raw = self._model.modes(self._asked[0])
-        return Modes(**_frozen(raw), _derivative=lambda wrt: self._of_modes(raw, wrt))
+        return Modes(**_frozen(raw), _derivative=partial(self._of_modes, raw))
 
     def _of_modes(self, raw: Mapping[str, Any], wrt: Sequence[str]) -> ModeDerivatives:
         def moved(name: str, value: float, unit: str) -> Linear:
