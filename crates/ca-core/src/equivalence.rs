@@ -1,6 +1,6 @@
 //! Equivalence: how large and how heavy the simulated world is in the hand.
 //!
-//! Decides for the table of the GENESIS paper (6.3, 6.4; docs/numerics.md §6). A device puts X = α·x into the model and
+//! Decides for the table of ICMC 2013 (6.3, 6.4; docs/numerics.md §6). A device puts X = α·x into the model and
 //! gets f = β·F back; everything else follows: a quantity of dimension lengthᵃ forceᵇ timeᶜ is α⁻ᵃ βᵇ Teᶜ times as
 //! large in the hand as in the model, so the exponents of a row come from its dimension and no table of them can be
 //! wrong in one place. Te is the unit of time of the model's numbers: 1 s, or a sample of the reference rate in `alg`

@@ -9,7 +9,7 @@
 //! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`compute_forces`] and
 //! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
-//! Where to go, each module knowing only those below it:
+//! Where to go:
 //! - to play: [`Scene`], [`State`], [`tick()`]; what a compiled model is and what was proven of it, [`scene`]; parameters
 //!   that change meanwhile, [`live`]; a model in the hand, [`equivalence`];
 //! - to add a kind: a MAT, [`mat`]; a port, [`io`]; a law, [`phi`] over the functions of [`law`]; its record, the builder

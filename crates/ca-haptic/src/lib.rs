@@ -6,7 +6,10 @@
 //!                                 rt, stats ──────────────────────────────┘
 //! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
 //! ```
+//! What stands between a model and a hand, with every number, is in `docs/safety.md`: read it before a device has power. A device process
+//! needs the client of [`host`] alone (`examples/device.rs`, `examples/device.c`, docs/devices.md); who plays scenes begins with [`serve`].
 //!
+//! What is not here: the tick (`ca-core`), models (`ca-model`, `ca-compile`), and what people type and see (`ca-cli`, `ca-play`).
 mod blocks;
 pub mod calibration;
 pub mod engine;

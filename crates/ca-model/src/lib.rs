@@ -5,6 +5,9 @@
 //! (`"20 g"` stays `"20 g"`), and that every piece carries the [`Span`] it came from, so that any later finding can
 //! point at it. Meaning (units, references, ranges) is given by the compiler, a crate above this one: two readers of
 //! meaning would disagree one day.
+//!
+//! What is not here: a scene. `ca-compile` makes one of a [`Model`]; a program that plays models adds `cordis-anima`. To add a kind of
+//! module that is built of others, begin with [`generate`].
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -55,7 +55,7 @@ fn the_page_of_the_format_names_all_there_is() {
 }
 
 /// Every number of the guard stands on the page of safety with its default, every cause with its name, and the README
-/// leads there (H19).
+/// leads there.
 #[test]
 fn the_page_of_safety_has_the_numbers_of_the_guard() {
     let page = std::fs::read_to_string(from_root("docs/safety.md")).unwrap();

@@ -19,7 +19,7 @@ pub mod pow;
 pub mod ref_;
 pub mod res;
 
-/// All LIA kinds, in the order of the documentation. To add a law: one file, one line here.
+/// All LIA kinds, in the order of the documentation. To add a law: one file, its `mod` above and a line here.
 pub const KINDS: &[&Kind] = &[
     &res::KIND,
     &fro::KIND,
