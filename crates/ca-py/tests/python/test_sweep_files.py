@@ -172,7 +172,7 @@ def test_a_relative_folder_is_that_of_the_caller(tmp_path, monkeypatch):
 
 
 def test_a_store_that_was_begun_is_begun_anew(tmp_path, monkeypatch):
-    from cordis_anima import _zarr
+    from cordis_anima._sweeps import zarr as _zarr
 
     store = str(tmp_path / "a.zarr")
     make = _zarr._make

@@ -113,7 +113,7 @@ def test_a_store_has_chunks_that_are_worth_a_task(tmp_path):
         ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, runs, seconds=seconds, to=store, audio=audio, progress=seen.append)
         assert seen == []
     # sounds of a chunk take no more than 64 MB: a minute in one channel is 11.52 MB
-    from cordis_anima import _zarr
+    from cordis_anima._sweeps import zarr as _zarr
 
     sweep = types.SimpleNamespace(channels=1, runs=1000)
     assert _zarr.chunk(sweep, {"frames": np.array([2_880_000])}, True) == 5
