@@ -3,7 +3,7 @@
 //! Decides that the front ends share more than the engine: which word means which model, how long it is played, when it has
 //! diverged and what every method makes of it. A front end adds its arguments and its output.
 //!
-//! Begin with [`load`], which finds a model, and [`play`]; [`sweep`], [`fit`], [`accuracy`] and [`bench`] stand on them. What is not
+//! Begin with [`load`], which finds a model, and [`play`]; [`sweep`], [`fit`], [`accuracy`] and [`mod@bench`] stand on them. What is not
 //! here: real time and devices (`ca-haptic`), and derivatives (`ca-gradient`). A program that plays scenes needs `cordis-anima` alone.
 #![forbid(unsafe_code)]
 
