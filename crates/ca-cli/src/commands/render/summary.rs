@@ -176,13 +176,14 @@ impl Summary<'_> {
             let b = audit.ledger.balance();
             let by: Vec<String> =
                 makers(self.audited, &audit.ledger, NAMED).into_iter().map(|(name, _)| name).collect();
-            let by = ticked(by.iter().map(String::as_str));
+            let links = ticked(by.iter().map(String::as_str));
+            let by = if by.is_empty() { "the rate boundary of a group" } else { &links };
             let what = format!(
                 "{by} made {} of energy, more than all that was put in, {}",
                 joule(made),
                 joule(b.h0 + b.work + b.changed)
             );
-            let help = "what is heard is the error of the scheme; soften it, or give it `method = \"stable\"`";
+            let help = "what is heard is the error of the scheme; soften it; a contact may have `method = \"stable\"`";
             term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
         if self.refused > 0 {
