@@ -215,10 +215,10 @@ pub fn unbalanced(b: &Balance) -> Option<f64> {
     (!balances).then_some(b.residual)
 }
 
-/// What the scheme made out of nothing, where that is more than all that was put in \[J\]: then it is what is heard, and not the model.
+/// What the scheme made out of nothing, where that is most of the energy there ever was \[J\]: then it is what is heard, and not the
+/// model. What was put in would be no measure, since what falls has its energy of its weight.
 pub fn made(b: &Balance) -> Option<f64> {
-    let put_in = [b.h0, b.work, b.changed].map(f64::abs).iter().sum::<f64>();
-    (b.scheme_error > put_in.max(NOTHING)).then_some(b.scheme_error)
+    (b.scheme_error > (0.5 * b.peak).max(NOTHING)).then_some(b.scheme_error)
 }
 
 /// The gain that would just fit, three digits, towards zero.

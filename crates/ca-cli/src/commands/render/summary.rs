@@ -102,7 +102,7 @@ impl Summary<'_> {
         self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || energy
     }
 
-    /// What the scheme made, where that is more than was put in \[J\].
+    /// What the scheme made, where that is most of the energy there was \[J\].
     fn made(&self) -> Option<f64> {
         made(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
@@ -173,16 +173,11 @@ impl Summary<'_> {
             term::warning(&format!("{what}; {help}, see `{}`", self.check()));
         }
         if let (Some(made), Some(audit)) = (self.made(), self.energy) {
-            let b = audit.ledger.balance();
-            let by: Vec<String> =
+            let links: Vec<String> =
                 makers(self.audited, &audit.ledger, NAMED).into_iter().map(|(name, _)| name).collect();
-            let links = ticked(by.iter().map(String::as_str));
-            let by = if by.is_empty() { "the rate boundary of a group" } else { &links };
-            let what = format!(
-                "{by} made {} of energy, more than all that was put in, {}",
-                joule(made),
-                joule(b.h0 + b.work + b.changed)
-            );
+            let links = ticked(links.iter().map(String::as_str));
+            let by = if links.is_empty() { "the rate boundary of a group" } else { &links };
+            let what = format!("{by} made most of the energy there was out of nothing, {}", joule(made));
             let help = "what is heard is the error of the scheme; soften it; a contact may have `method = \"stable\"`";
             term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
