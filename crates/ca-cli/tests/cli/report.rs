@@ -3,6 +3,8 @@
 use crate::desk::{BAR, Desk, KEY, STRUCK};
 use crate::skipped::skipped;
 use crate::take::performer;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::Value as Json;
 use std::fs;
 use std::process::Command;
@@ -151,24 +153,26 @@ fn what_is_odd_still_has_a_page() {
 fn what_outputs_hear_is_drawn_in_its_unit() {
     let desk = Desk::new();
     let all = ["position", "speed", "acceleration", "force"];
-    let outputs = all.map(|hear| format!("{hear} = {{ from = \"{hear}_bar\", hear = \"{hear}\" }}\n")).concat();
-    let bars = all.map(|hear| format!("{hear}_bar = {{ m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }}\n")).concat();
-    desk.put("bars.ca.toml", &format!("[CEL]\n{bars}[SOX]\n{outputs}"));
-    desk.ca(&["report", "bars.ca.toml", "--seconds", "0.1", "--accuracy", "0"]);
-    let page = Page::of(&desk, "bars.html");
-    let of = 2.0 * std::f64::consts::PI * 220.0;
-    for (quantity, hear, peak) in [
-        ("displacement", "position", 1e-3),
-        ("speed", "speed", 1e-3 * of),
-        ("acceleration", "acceleration", 1e-3 * of * of),
-        ("force", "force", 1e-6 * of * of),
+    let outputs = all.map(|hear| format!("{hear} = {{ from = \"{hear}_ball\", hear = \"{hear}\" }}\n")).concat();
+    let balls = all.map(|hear| format!("{hear}_ball = {{ m = \"1 g\", dx0 = \"1 mm\" }}\n")).concat();
+    let springs = all
+        .map(|hear| format!("{hear}_spring = {{ between = [\"wall\", \"{hear}_ball\"], k = \"1 kN/m\" }}\n"))
+        .concat();
+    desk.put("balls.ca.toml", &format!("[SOL]\nwall = {{}}\n[MAS]\n{balls}[RES]\n{springs}[SOX]\n{outputs}"));
+    desk.ca(&["report", "balls.ca.toml", "--seconds", "0.1", "--accuracy", "0"]);
+    let page = Page::of(&desk, "balls.html");
+    // 1 mm at √(k/m) = 1000/s, in the units of the page
+    for (quantity, hear, peak, unit) in [
+        ("displacement", "position", 1.0, "mm"),
+        ("speed", "speed", 1.0, "m/s"),
+        ("acceleration", "acceleration", 1000.0, "m/s²"),
+        ("force", "force", 1.0, "N"),
     ] {
         let plot = page.plot(quantity);
-        assert_eq!(names(plot), [format!("{hear}_bar")]);
-        let text = plot["curves"][0].to_string();
-        let numbers = text.split(|c: char| !"+-.0123456789eE".contains(c)).filter_map(|v| v.parse::<f64>().ok());
-        let most = numbers.fold(0.0_f64, |m, v| m.max(v.abs()));
-        assert!((most / peak - 1.0).abs() < 0.02, "{quantity}: {most}, not {peak}");
+        assert_eq!((names(plot), plot["y"]["unit"].as_str().unwrap()), (vec![&*format!("{hear}_ball")], unit));
+        let y = STANDARD.decode(plot["curves"][0]["y"].as_str().unwrap()).unwrap();
+        let most = y.as_chunks::<4>().0.iter().fold(0.0, |m: f32, v| m.max(f32::from_le_bytes(*v).abs()));
+        assert!((most / peak - 1.0).abs() < 1e-3, "{quantity}: {most}, not {peak}");
     }
 }
 
