@@ -47,7 +47,7 @@ pub enum DeviceCommand {
     Calibrate(CalibrateArgs),
     /// Tests a running device process, with forces
     ///
-    /// It asks of the device all that the engine relies on, and its last phases move the device by forces: take your hands off, and
+    /// It asks of the device all that the engine relies on, and some of its phases move the device by forces: take your hands off, and
     /// keep a switch that cuts the power of the motors within reach; software does not replace it (docs/safety.md). `--force 0` leaves
     /// these phases out. Exit code 1 where something is not as it must be.
     Conformance(ConformanceArgs),
