@@ -48,6 +48,11 @@ def test_what_cannot_be_fitted_says_why(tmp_path: Path) -> None:
         ca.fit(start, heard, ["lwo.f"])
     with pytest.raises(ca.UsageError, match="starts at 110 Hz"):
         ca.fit(start, heard, ["low.f"], ranges={"low.f": (50, "60 Hz")})
+    with pytest.raises(ca.UsageError, match="`low.f` goes from one number to another"):
+        ca.fit(start, heard, ["low.f"], ranges={"low.f": 120})  # type: ignore[dict-item]
+    for renders, what in [(-1, "1 to"), (0, "1 to"), (2.5, "whole number"), (2**40, "1 to")]:
+        with pytest.raises(ca.UsageError, match=what):
+            ca.fit(start, heard, ["low.f"], renders=renders)  # type: ignore[arg-type]
     with pytest.raises(ca.UsageError, match="finite"):
         ca.fit(start, np.full(4800, np.nan), ["low.f"])
     with pytest.raises(ca.FailedError, match="silent"):

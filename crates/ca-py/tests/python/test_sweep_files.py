@@ -62,6 +62,7 @@ def test_others_read_the_files(tmp_path):
 
 def test_data_frames_and_data_sets():
     s = ca.sweep(string(), VARY, 6, seconds=0.05, audio=True)
+    assert s == s and s != ca.sweep(string(), VARY, 6, seconds=0.05) and len({s, s}) == 1
     frame = s.to_pandas()
     assert frame.index.name == "index" and frame.loc[3, "peak"] == s["peak"][3]
     data = s.to_xarray()

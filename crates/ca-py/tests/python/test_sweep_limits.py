@@ -187,6 +187,7 @@ def test_what_makes_no_sense_is_refused(tmp_path):
         ({"seconds": -1}, "above 0"),
         ({"batch": 0}, "1 to"),
         ({"seed": -1}, "0 to"),
+        ({"executor": 3}, "concurrent.futures"),
         ({"chunk": 2.0}, "whole number"),
         ({"audio": "flac"}, "for a folder"),
         ({"to": tmp_path / "x", "audio": "mp3"}, "flac"),

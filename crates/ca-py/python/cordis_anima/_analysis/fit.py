@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._errors import UsageError
-from .._results import length
+from .._results import length, whole
 from .._gestures import Gesture, Path, made
 from .measured import Progress
 from .._scene import Scene
@@ -117,7 +117,7 @@ def fit(
         progress: called with the renders so far and the most there may be.
 
     Raises:
-        UsageError: no such number, one that cannot be varied, or a range without it.
+        UsageError: no such number, one that cannot be varied, a range without it, or no renders.
         FailedError: the recording is silent or too short, or the model makes no sound.
         FileError: the recording cannot be read.
 
@@ -142,7 +142,14 @@ def fit(
         if samples.ndim != 2 or not samples.size or not np.isfinite(samples).all():
             raise UsageError("a recording is an array (frames,) or (frames, channels) of finite numbers")
         given = (float(scene.rate if sr is None else sr), np.ascontiguousarray(samples))
-    pairs = [(name, str(a), str(b)) for name, (a, b) in (ranges or {}).items()]
+    renders = whole("renders", renders, 1, 2**32 - 1)
+    pairs: list[tuple[str, str, str]] = []
+    for name, ends in (ranges or {}).items():
+        try:
+            low, high = ends
+        except (TypeError, ValueError):
+            raise UsageError(f"ranges: `{name}` goes from one number to another: {ends!r} is not two") from None
+        pairs.append((name, str(low), str(high)))
     model, raw = scene._model.fit(
         given,
         vary,

@@ -107,6 +107,10 @@ class Sweep(Mapping[str, Column]):
     def __len__(self) -> int:
         return len(self.columns)
 
+    # a mapping compares values, and arrays are not true or false
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     @property
     def runs(self) -> int:
         """How many runs there are."""
@@ -208,6 +212,8 @@ def sweep(
     seconds = None if seconds is None else length(seconds)
     runs = None if runs is None else whole("runs", runs, 1, 2**40)
     seed = whole("seed", seed, 0, 2**64 - 1)
+    if not (executor is None or callable(getattr(executor, "submit", None))):
+        raise UsageError(f"executor = {executor!r}: one of `concurrent.futures`, or nothing")
     batch = None if batch is None else whole("batch", batch, 1, 2**40)
     chunk = None if chunk is None else whole("chunk", chunk, 1, 1_000_000)
     begin = time.perf_counter()
