@@ -10,7 +10,7 @@ use std::path::Path;
 const SHOWN: [(&str, u32, u32, &str, f64); 5] = [
     ("hammered_string", 1440, 900, "dark", 1.0),
     ("rattle", 1440, 900, "light", 2.0),
-    ("membrane", 1440, 900, "dark", 1.0),
+    ("membrane", 1440, 900, "dark", 0.1),
     ("hammer_piano", 390, 844, "light", 2.0),
     ("plucked_string", 390, 844, "dark", 1.0),
 ];
