@@ -1,5 +1,6 @@
-//! The page while instruments play, wide and narrow, dark and light: the picture moves, nothing is in the console, and nothing is
-//! wider than the window. `UPDATE=1 cargo test --workspace --test page pictures` writes `docs/pictures/`, which the README shows.
+//! The page while instruments play, wide and narrow, dark and light: the picture moves, nothing is in the console, nothing is
+//! wider than the window, and names of outputs are whole. `UPDATE=1 cargo test --workspace --test page pictures` writes
+//! `docs/pictures/`, which README.md and docs/play.md show.
 
 use crate::browser::Tab;
 use crate::host::{Host, until};
@@ -35,6 +36,8 @@ pub fn are_made() {
         });
         assert_ne!(tab.part("canvas"), canvas, "{model}: the picture moves");
         assert_eq!(tab.js("document.documentElement.scrollWidth <= innerWidth"), true, "{model} at {width}");
+        let names = "(c => c.scrollWidth <= c.clientWidth)(document.getElementById('channels'))";
+        assert_eq!(tab.js(names), true, "{model} at {width}: names of outputs are whole");
         assert_eq!(tab.js("document.documentElement.dataset.errors"), "0", "{model}");
         if update {
             let folder = root.join("docs/pictures");
