@@ -5,7 +5,7 @@
 //! is asked of each stands in `benches/src/instruments`.
 
 use crate::long_form::long_form;
-use crate::stage::Stage;
+use crate::stage::{Stage, patient};
 use ca_benches::instruments::{Instrument, all, hand};
 use ca_compile::Options;
 use ca_haptic::profile::SHIPPED;
@@ -65,15 +65,12 @@ fn played(i: &Instrument, most: usize) -> Option<String> {
     let shipped = |name: &str| SHIPPED.iter().find(|s| s.0 == name).map(|s| s.1);
     // a second device of the same make, or one that is described by its owner
     let own = if device.starts_with("tgr12") { "tgr12" } else { "unknown" };
-    if i.stroke.clear > 0.0 || shipped(device).is_none() {
-        let text = shipped(device).or(shipped(own)).expect("shipped");
-        let mut text = text.replace(&format!("name = {own:?}"), &format!("name = {device:?}"));
-        if i.stroke.clear > 0.0 {
-            let clear = format!("[guard]\nclear = {}\n", i.stroke.clear);
-            text = if text.contains("[guard]") { text.replace("[guard]", &clear) } else { format!("{text}\n{clear}") };
-        }
-        stage.put(&format!("c/profiles/{device}.toml"), &text);
+    let text = shipped(device).or(shipped(own)).expect("shipped");
+    let mut text = patient(&text.replace(&format!("name = {own:?}"), &format!("name = {device:?}")));
+    if i.stroke.clear > 0.0 {
+        text = text.replace("[guard]\n", &format!("[guard]\nclear = {}\n", i.stroke.clear));
     }
+    stage.put(&format!("c/profiles/{device}.toml"), &text);
     let seconds = i.stroke.seconds.to_string();
     let args = ["--profile", device, "--script", "file", "--gesture", "hand.csv", "--seconds", &seconds];
     let args = args.map(String::from);

@@ -115,7 +115,7 @@ fn a_file_of_another_user_under_our_name_is_an_error_of_every_command() {
 fn what_a_killed_process_had_begun_is_no_obstacle() {
     let stage = Stage::beside();
     // the name of a service is the hash of what it is called: as one of a server that was whole
-    run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
+    run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
     let server = stage.serve("key.ca.toml", &["--quiet"]);
     let services = stage.site.root().join("services");
     until("it serves", || fs::read_dir(&services).is_ok_and(|all| all.flatten().count() >= 4));
@@ -126,7 +126,7 @@ fn what_a_killed_process_had_begun_is_no_obstacle() {
         let _ = fs::remove_file(path);
         fs::write(path, []).unwrap();
         fs::set_permissions(path, fs::Permissions::from_mode(0o600)).unwrap();
-        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
+        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
     }
     assert!(names.len() >= 4, "{names:?}");
 }
@@ -140,7 +140,7 @@ fn a_file_of_ours_that_was_cut_is_made_anew() {
         fs::write(&path, []).unwrap();
         run(&stage, &["device", "list"]).is(0);
         run(&stage, &["status"]).is(1).says(&["no server runs"]);
-        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).is(0);
+        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
         assert!(fs::metadata(&path).map_or(true, |m| m.len() > 0), "{path}");
     }
     // one that an older release made for everybody is closed

@@ -5,7 +5,8 @@
 //! writes it anew.
 
 use crate::long_form::long_form;
-use crate::stage::Stage;
+use crate::stage::{Stage, patient};
+use ca_haptic::profile::SHIPPED;
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -30,11 +31,13 @@ struct Played {
 
 fn play(speed: f64) -> Played {
     // an engine that waited for 100 ms went on without its device: once more
-    (0..4).find_map(|_| attempt(speed)).expect("a performance without a hole")
+    (0..8).find_map(|_| attempt(speed)).expect("a performance without a hole")
 }
 
 fn attempt(speed: f64) -> Option<Played> {
     let stage = Stage::new();
+    let tgr12 = SHIPPED.iter().find(|s| s.0 == "tgr12").expect("shipped").1;
+    stage.put("c/profiles/tgr12.toml", &patient(tgr12));
     let hand = format!("{speed} m/s");
     let server =
         stage.serve("hammer_piano", &["--clock", "device", "--arm", "--json", "-o", "p.wav", "--log", "p.mcap"]);
