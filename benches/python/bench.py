@@ -274,7 +274,7 @@ def main() -> None:
         "## Peers",
         "",
         "A string of 24 masses with dampers, pushed once: time of a sample, and from nothing (a new interpreter, or a",
-        "compiler) to one second of sound. NumPy, numba and the package agree to 1e-9; `tests/suite/peers.rs` compares with",
+        "compiler) to one second of sound. NumPy, numba and the package agree to 1e-9; `tests/suite/outside/peers.rs` compares with",
         "mi.lib. numba and Faust compile one network each; the package takes any without a compiler.",
         "",
         "| | ns/sample | over ours | first second [s] | over ours |",

@@ -130,7 +130,7 @@ pub fn table(net: &Net) -> String {
 ///
 /// A module is given its places one and two samples before the first, and no link acts in the step to that. A link is given
 /// the places before the first sample with their signs turned: the library adds them where it should
-/// take them away (`tests/suite/peers.rs`).
+/// take them away (`tests/suite/outside/peers.rs`).
 pub fn faust(net: &Net) -> Option<String> {
     if net.space {
         return None;

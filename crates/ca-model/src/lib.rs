@@ -16,18 +16,10 @@ extern crate alloc;
 #[cfg(feature = "parse")]
 extern crate std;
 
-#[cfg(feature = "parse")]
-mod blocks;
 pub mod diag;
 #[cfg(feature = "parse")]
-mod entry;
-#[cfg(feature = "parse")]
 pub mod explain;
-#[cfg(feature = "parse")]
-mod file;
 pub mod generate;
-#[cfg(feature = "parse")]
-mod members;
 mod model;
 pub mod names;
 pub mod part;
@@ -36,8 +28,6 @@ pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;
 #[cfg(feature = "parse")]
-mod reader;
-#[cfg(feature = "parse")]
 pub mod render;
 #[cfg(feature = "parse")]
 pub mod schema;
@@ -45,7 +35,7 @@ pub mod sections;
 pub mod select;
 pub mod suggest;
 #[cfg(feature = "parse")]
-mod syntax;
+mod text;
 pub mod write;
 
 use ca_core::Catalog;

@@ -4,10 +4,10 @@
 //! alike whether a model or a part stands in it: that is one step below, and opens nothing.
 
 use super::diag::Diags;
-use super::file::one_file;
 use super::model::Model;
 use super::part;
 pub use super::sections::{GROUP, META, RATES, SECTIONS};
+use super::text::file::one_file;
 use alloc::format;
 use alloc::string::String;
 use ca_core::Catalog;

@@ -1,34 +1,14 @@
 //! The command as people use it: the built binary in an empty directory.
 
-mod accuracy;
-mod against;
-mod bench;
-mod border;
-mod degraded;
 mod desk;
-mod docs;
-mod equiv;
-mod explain;
-mod files;
-mod fit;
+mod documents;
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
-mod numbers;
-mod pages;
-mod pitch;
-mod ports;
-mod readme;
-mod render;
-mod report;
-mod schema;
-mod serve;
-mod shm;
+mod model;
+mod session;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
-mod sweep;
-mod take;
-mod watch;
-mod words;
+mod sound;
 
 use desk::{BAR, Desk, KEY, mims};
 use std::fs;
@@ -177,9 +157,11 @@ fn examples_of_command_help_run() {
     ] {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
-            take::performer::tgr12(&desk.path("take.mcap"));
+            session::take::performer::tgr12(&desk.path("take.mcap"));
         }
-        desk.put("key.csv", KEY).put("string.mdl", &mims("string.mdl")).put("plucked.sweep.toml", &sweep::plan());
+        desk.put("key.csv", KEY)
+            .put("string.mdl", &mims("string.mdl"))
+            .put("plucked.sweep.toml", &sound::sweep::plan());
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let general = desk.ca(&["--help"]).is(0).out;
         assert!(

@@ -1,6 +1,6 @@
 //! What single precision does not keep: refused before anything sounds, rather than heard as noise, drift or silence.
 //!
-//! Decides by what was measured against double precision (tests/suite/single.rs). Strings, meshes, cells, modes,
+//! Decides by what was measured against double precision (tests/suite/compiler/single.rs). Strings, meshes, cells, modes,
 //! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Four do not:
 //! - a **distance in space** is known to 1e-7 of where its ends are, and the deformation by which a
 //!   body sounds is that small;

@@ -18,14 +18,12 @@ mod player;
 mod search;
 mod settle;
 mod sinusoids;
-mod spectral;
 mod summary;
 mod target;
 #[cfg(test)]
 mod tests;
 mod vary;
 mod verdict;
-mod wave;
 mod work;
 
 pub use page::report;

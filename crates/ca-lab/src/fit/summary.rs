@@ -1,13 +1,13 @@
 //! What is said of a fit at its end: the numbers, the distances, and what the model predicts.
 
+use super::loss::spectral::Spectral;
+use super::loss::wave::{self, Wave};
 use super::loss::{Free, Loss};
 use super::player::Player;
 use super::search::Point;
-use super::spectral::Spectral;
 use super::target::{Samples, Target};
 use super::verdict::Known;
 use super::verdict::{Doubt, Halt, explained};
-use super::wave::{self, Wave};
 use super::work::{Found, Work};
 use super::{Beyond, Distance, Fit, Fitted, Shown, Stage, sinusoids};
 use crate::Failure;

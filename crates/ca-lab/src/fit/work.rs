@@ -4,15 +4,15 @@
 //! each number that modes say nothing of, such as the mass of a hammer. Each goes down by samples where phases agree at once,
 //! else by levels and then by samples; the first that leaves next to nothing ends it, and the budget of renders does.
 
+use super::loss::spectral::Spectral;
+use super::loss::wave::Wave;
 use super::loss::{Free, Loss};
 use super::normal::dot;
 use super::player::Player;
 use super::search::{Point, Rules, Slopes, Stop, descend};
-use super::spectral::Spectral;
 use super::target::{self, Target};
 use super::vary::Varied;
 use super::verdict::{Halt, Known};
-use super::wave::Wave;
 use super::{BEYOND, FEW, Fit, modal, partials};
 use crate::Failure;
 

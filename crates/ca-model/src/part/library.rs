@@ -4,8 +4,8 @@
 //! its text is then one of the files of the model, called `ca:bow.ca.toml`: findings point into it, and a take that holds it is
 //! replayed with it, whatever a later version of the program ships. The colon keeps the names of files on disk apart.
 
-use crate::file::one_file;
 use crate::model::Part;
+use crate::text::file::one_file;
 use alloc::format;
 use alloc::string::String;
 use ca_core::Catalog;

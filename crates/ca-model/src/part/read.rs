@@ -1,10 +1,10 @@
 //! `[part.NAME]` and `[use]`, as written.
 
 use crate::diag::Diag;
-use crate::entry::{Key, Val, article, ordered};
 use crate::model::{Entry, Part, Span, Use, Value};
-use crate::reader::{Reader, ticked, unique};
 use crate::sections::{GROUP, IN_PART, SECTIONS, USE};
+use crate::text::entry::{Key, Val, article, ordered};
+use crate::text::reader::{Reader, ticked, unique};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -1,0 +1,263 @@
+//! `ca accuracy`: references, orders, the front, what is recommended, and the page.
+
+use crate::desk::Desk;
+use serde_json::Value as Json;
+use std::fs;
+
+/// Runs it on a model and returns its JSON.
+fn measured(text: &str, more: &[&str]) -> Json {
+    let desk = Desk::new();
+    desk.put("model.ca.toml", text);
+    let mut args = vec!["accuracy", "model.ca.toml", "--json"];
+    args.extend(more);
+    serde_json::from_str(&desk.ca(&args).is(0).out).expect("JSON")
+}
+
+fn row<'a>(found: &'a Json, method: &str, times: u64) -> &'a Json {
+    let rows = found["rows"].as_array().expect("rows");
+    let here = |r: &&Json| r["method"] == method && r["times"] == times;
+    rows.iter().find(here).unwrap_or_else(|| panic!("no {method} x{times} in {found:#}"))
+}
+
+fn error(found: &Json, method: &str, times: u64) -> f64 {
+    row(found, method, times)["error"].as_f64().unwrap_or(f64::INFINITY)
+}
+
+const CHAIN: &str = "[SOL]\nl = {}\nr = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\nb = { m = \"1 g\" }\nc = { m = \"1 g\" }\n[RES]\nk = { between = [[\"l\", \"a\", \"b\", \"c\"], [\"a\", \"b\", \"c\", \"r\"]], \
+                     k = \"60 kN/m\" }\n[SOX]\nout = { from = \"a\" }\nlow = { from = \"c\" }\n";
+
+/// What is linear is held against its closed form: modes are exact, the explicit scheme and theta ¼ are of the second
+/// order, theta 1/12 of the fourth.
+#[test]
+fn a_linear_model_has_a_closed_form() {
+    let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,2,4"]);
+    assert_eq!(found["reference"]["origin"], "modes");
+    assert!(error(&found, "modal", 1) < 1e-10, "{found:#}");
+    for (method, order) in [("as written", 2.0), ("implicit 1/4", 2.0), ("implicit 1/12", 4.0)] {
+        let rise = (error(&found, method, 2) / error(&found, method, 4)).log2();
+        assert!((rise - order).abs() < 0.15, "{method}: {rise}");
+    }
+    let plain = row(&found, "as written", 1);
+    // 1.22 kHz and above, at 48 kHz: docs/numerics.md §1.2
+    assert!((0.5..20.0).contains(&plain["cents"].as_f64().expect("a pitch")), "{plain}");
+    assert!(row(&found, "modal", 1)["front"] == true && plain["made"].as_f64().is_some_and(|m| m < 1e-12));
+}
+
+/// A model of finer ticks is itself: its rate is that of its samples, its error that of its ticks.
+#[test]
+fn finer_ticks_are_the_model_as_written() {
+    let found = |more: &str| measured(&format!("{CHAIN}{more}"), &["--seconds", "0.05", "--times", "1,4"]);
+    let (plain, fine) = (found(""), found("[rate]\noversample = 4\n"));
+    assert_eq!((&fine["reference"]["origin"], &fine["rate"]), (&"modes".into(), &plain["rate"]));
+    let apart = (error(&fine, "as written", 1) / error(&plain, "as written", 4) - 1.0).abs();
+    assert!(apart < 1e-6, "{apart}");
+    assert!(error(&fine, "modal", 1) < 1e-9, "{fine:#}");
+}
+
+/// What is not is held against itself at a higher rate, and how well that is known is said.
+#[test]
+fn another_model_is_its_own_reference() {
+    let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
+    let found = measured(&text, &["--seconds", "0.02", "--times", "1,2,4", "--reference", "64", "--error", "2e-2"]);
+    let reference = |found: &Json| {
+        let r = &found["reference"];
+        assert_eq!(r["origin"], "rate");
+        let number = |key: &str| r[key].as_f64().expect("a number");
+        (r["method"].as_str().expect("a method").to_owned(), number("order"), number("known"))
+    };
+    // by the method of the fourth order, where there is room to see that it is known better
+    let (method, order, known) = reference(&found);
+    assert!(method == "pefrl" && (order - 4.0).abs() < 0.1, "{found:#}");
+    assert!(known < 1e-6 * error(&found, "as written", 1), "{found:#}");
+    let near = measured(&text, &["--seconds", "0.02", "--times", "1,2,4", "--reference", "16"]);
+    let (method, order, known) = reference(&near);
+    assert!(method == "as written" && (order - 2.0).abs() < 0.1, "{near:#}");
+    assert!(known < 0.02 * error(&near, "as written", 1), "{near:#}");
+    // and both tell the same error, as far as they are known
+    let apart = (error(&near, "as written", 1) - error(&found, "as written", 1)).abs();
+    assert!(apart < 2.0 * known, "{apart:e}, {known:e}");
+    let rise = (error(&found, "as written", 1) / error(&found, "as written", 4)).log2() / 2.0;
+    assert!((rise - 2.0).abs() < 0.15, "{rise}");
+    // what is named is good enough, and nothing that is good enough is quicker
+    let named = &found["recommended"];
+    let best = row(&found, named["method"].as_str().expect("one"), named["times"].as_u64().expect("one"));
+    let ns = |r: &Json| r["ns_per_sample"].as_f64().expect("a time");
+    assert!(best["error"].as_f64().is_some_and(|e| e <= 2e-2), "{best}");
+    let good =
+        found["rows"].as_array().expect("rows").iter().filter(|r| r["error"].as_f64().is_some_and(|e| e <= 2e-2));
+    assert!(good.clone().all(|r| ns(r) >= ns(best)) && good.count() > 1, "{found:#}");
+}
+
+/// A model that diverges as it is has its row all the same, and is never recommended; methods that it cannot take are
+/// named with the reason.
+#[test]
+fn what_blows_up_is_reported() {
+    let text = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"50 MN/m\" }\n\
+                [BUT]\nstop = { between = [\"w\", \"a\"], k = 100, d = \"-1 m\", method = \"stable\" }\n[SOX]\nout = { from = \"a\" }\n";
+    let found = measured(text, &["--seconds", "0.01", "--times", "1,8", "--reference", "16", "--error", "2"]);
+    let plain = row(&found, "as written", 1);
+    assert!(plain["stability"] == "unstable" && plain["front"] == false && plain["error"].is_null(), "{plain}");
+    let best = &found["recommended"];
+    assert!(best["method"] != "as written" || best["times"] != 1, "{found:#}");
+    let why = found["refused"].as_array().expect("a list");
+    assert!(why.iter().any(|r| r["method"] == "implicit 1/4"), "{found:#}");
+}
+
+/// A mass on a line and the same in space, with a second and far stiffer spring across: what is heard along x is the
+/// same motion, so it has the same error.
+#[test]
+fn an_output_in_space_is_measured_along_its_direction() {
+    let line = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"8 kN/m\" }\n\
+                [SOX]\nout = { from = \"a\" }\n";
+    let space = |outputs: &str| {
+        format!(
+            "[room]\ndim = 3\n[room.SOL]\nw = {{}}\n[room.MAS]\na = {{ m = \"1 g\", dx0 = [\"1 mm\", 0, \"1 mm\"] }}\n\
+             [RES]\nk = {{ between = [\"room.w\", \"room.a\"], along = \"x\", k = \"8 kN/m\" }}\n\
+             across = {{ between = [\"room.w\", \"room.a\"], along = \"z\", k = \"900 kN/m\" }}\n[SOX]\n{outputs}"
+        )
+    };
+    let x = "x = { from = \"room.a\", along = \"x\" }\n";
+    let z = "z = { from = \"room.a\", along = \"z\" }\n";
+    let short = ["--seconds", "0.05", "--times", "1,2"];
+    let (plain, along) = (measured(line, &short), measured(&space(x), &short));
+    let (both, across) = (measured(&space(&format!("{x}{z}")), &short), measured(&space(z), &short));
+    // 8 kN/m on 1 g: (ωT)²/24 of a radian per radian, and 141 radians of them
+    assert!((5e-3..5e-2).contains(&error(&plain, "as written", 1)), "{plain:#}");
+    for times in [1, 2] {
+        let e = |found: &Json| error(found, "as written", times);
+        let known = along["reference"]["known"].as_f64().expect("known");
+        assert!((e(&along) - e(&plain)).abs() < known + 1e-9, "{} and {}", e(&along), e(&plain));
+        // each output by itself, and of two the worst
+        assert!(e(&across) > 50.0 * e(&along), "{} and {}", e(&across), e(&along));
+        assert!((e(&both) / e(&across) - 1.0).abs() < 1e-6, "{} and {}", e(&both), e(&across));
+    }
+    // a place that is asked for by name is one thing: its error is a distance, and no worse than that of its worst axis
+    let body = measured(&space(x), &[&short[..], &["--probe", "room.a"]].concat());
+    let (e, all) = (error(&body, "as written", 1), [&along, &across].map(|f| error(f, "as written", 1)));
+    let mean = (all.iter().map(|e| e * e).sum::<f64>() / 2.0).sqrt();
+    assert!((e / mean - 1.0).abs() < 0.05, "{e} and {mean}");
+}
+
+/// Outputs that hear several things, a direction that is askew, and two ears on one channel.
+#[test]
+fn what_an_output_hears_is_what_is_measured() {
+    let text = |outputs: &str| CHAIN.split("[SOX]").next().map(|c| format!("{c}[SOX]\n{outputs}")).expect("a chain");
+    let short = ["--seconds", "0.02", "--times", "1"];
+    let of = |outputs: &str| error(&measured(&text(outputs), &short), "as written", 1);
+    let (a, b) = (of("out = { from = \"a\" }\n"), of("out = { from = \"b\" }\n"));
+    let two = of("a = { from = \"a\", gain = 3 }\nb = { from = \"b\", gain = 0.5 }\n"
+        .replace("a = {", "one = {")
+        .replace("\nb = {", "\ntwo = {")
+        .as_str());
+    assert!((two / a.max(b) - 1.0).abs() < 1e-9, "{two}, {a} and {b}");
+    // two outputs on one channel are two things that are heard
+    let mixed = of("one = { from = \"a\", channel = 0 }\ntwo = { from = \"b\", channel = 0 }\n");
+    assert!((mixed / a.max(b) - 1.0).abs() < 1e-9, "{mixed}, {a} and {b}");
+    // many at once: on channels of their own each is held against its own reference
+    let string = "[STRING]\ns = { n = 5, m = \"1 g\", f = \"2 kHz\" }\n[MAS]\nh = { m = \"1 g\", dx0 = \"1 mm\" }\n\
+                  [RES]\nk = { between = [\"h\", \"s[1]\"], k = \"2 kN/m\" }\n[SOX]\n";
+    let of = |outputs: &str| error(&measured(&format!("{string}{outputs}"), &short), "as written", 1);
+    let each: Vec<f64> = (0..5).map(|i| of(&format!("out = {{ from = \"s[{i}]\" }}\n"))).collect();
+    let all = of("out = { from = \"s[*]\" }\n");
+    let worst = each.iter().copied().fold(0.0, f64::max);
+    assert!((all / worst - 1.0).abs() < 1e-6, "{all}, {each:?}");
+}
+
+#[test]
+fn the_page_has_a_plot_and_the_table() {
+    let desk = Desk::new();
+    let short = ["accuracy", "glass", "--seconds", "0.3", "--times", "1,2", "--reference", "8", "-o", "glass.html"];
+    let text = desk.ca(&short).is(0).out;
+    let page = fs::read_to_string(desk.path("glass.html")).expect("a page");
+    for word in ["error", "ns/sample", "as written", "stability"] {
+        assert!(text.contains(word) && page.contains(word), "{word}\n{text}");
+    }
+    assert!(text.contains("at 48000 Hz, against ") && page.contains("Error against run time"));
+}
+
+#[test]
+fn nothing_to_hear_is_a_failure() {
+    let desk = Desk::new();
+    desk.put("mute.ca.toml", "[MAS]\na = { m = 1 }\n");
+    desk.ca(&["accuracy", "mute.ca.toml"]).is(1).says(&["--probe"]);
+    desk.put("still.ca.toml", "[MAS]\na = { m = 1 }\n[SOX]\nout = { from = \"a\" }\n");
+    desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["nothing of `out` moves", "--seconds"]);
+    desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
+}
+
+/// What the reference does not know is not recommended, however small a row's error seems to be.
+#[test]
+fn no_way_is_better_than_its_reference_is_known() {
+    let desk = Desk::new();
+    let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
+    desk.put("hard.ca.toml", &text);
+    let short = ["accuracy", "hard.ca.toml", "--seconds", "0.02", "--times", "1", "--reference", "4"];
+    let ask = |error: &str, more: &[&str]| desk.ca(&[&short[..], &["--error", error], more].concat());
+    let plain = ask("1e-30", &[]).is(3);
+    assert!(
+        plain.out.contains("the reference is known only to") && plain.out.contains("`--reference`"),
+        "{}",
+        plain.out
+    );
+    assert!(!plain.out.contains("the cheapest"), "{}", plain.out);
+    for error in ["1e-30", "1e-6"] {
+        let found: Json = serde_json::from_str(&ask(error, &["--json"]).is(3).out).expect("JSON");
+        assert!(found["reference"]["known"].as_f64().is_some_and(|k| k > 1e-6), "{found:#}");
+        assert!(found["recommended"].is_null(), "{found:#}");
+        assert!(found["verdict"].as_str().is_some_and(|v| v.contains("`--reference`")), "{found:#}");
+    }
+    desk.put("line.ca.toml", CHAIN);
+    let r = desk.ca(&["accuracy", "line.ca.toml", "--seconds", "0.02", "--times", "1", "--error", "1e-30"]).is(3);
+    assert!(r.out.contains("the closed form is known only to 1.0e-12"), "{}", r.out);
+}
+
+/// A reference beyond all rates is refused before anything is played, with the most there may be.
+#[test]
+fn no_reference_is_beyond_all_rates() {
+    let desk = Desk::new();
+    desk.put("model.ca.toml", CHAIN);
+    desk.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
+}
+
+/// The model as written in single precision goes with it to what that holds, at every multiple of the rate; what it cannot
+/// be in is reported.
+#[test]
+fn single_precision_is_a_way() {
+    let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,4"]);
+    for times in [1, 4] {
+        let apart = error(&found, "single", times) - error(&found, "as written", times);
+        assert!(apart != 0.0 && apart.abs() < 2e-4, "{apart:e} at x{times}");
+    }
+    let bowed = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"0.5 s\" }\n[ENX]\nbow = {}\n[REF]\nrub = { between = [\"bar\", \"bow\"], k = 1e3, z = 0.1 }\n[SOX]\nout = { from = \"bar\" }\n[gesture]\nbow = [[0, 0], [0.05, \"1 mm\"]]\n";
+    let found = measured(bowed, &["--seconds", "0.05", "--times", "1"]);
+    assert!((error(&found, "single", 1) / error(&found, "as written", 1) - 1.0).abs() < 1e-2, "{found:#}");
+    let body = "[room]\ndim = 3\n[room.TETRA]\np = { edge = \"2 cm\", m = \"1 g\", k = \"8 kN/m\", spin = [\"3 Hz\", 0, 0] }\n[SOF]\nout = { from = \"room.p.link[0]\" }\n";
+    let kinds = ca_lab::catalog();
+    let lpr = kinds.iter().find(|k| k.code.starts_with("LPR")).expect("a quadripole");
+    for (text, reason) in [(body, "a distance in space"), (lpr.example, "in double precision only")] {
+        let found = measured(text, &["--seconds", "0.01", "--times", "1", "--reference", "4"]);
+        let why = found["refused"].as_array().expect("a list").iter().find(|r| r["method"] == "single");
+        assert!(why.is_some_and(|r| r["why"].as_str().is_some_and(|w| w.contains(reason))), "{found:#}");
+    }
+}
+
+/// What `docs/measured/accuracy.md` says is what the command says, of scenes that are short: all but the times.
+#[test]
+fn the_page_of_error_against_run_time_is_true() {
+    use ca_benches::accuracy::{CASES, page::rows};
+    let page = include_str!("../../../../../docs/measured/accuracy.md");
+    for (case, reference) in [(&CASES[0], "8"), (&CASES[3], CASES[3].reference)] {
+        let found = measured(&(case.text)(), &["--seconds", case.seconds, "--times", "1", "--reference", reference]);
+        let reported = rows(page, case.title);
+        for r in found["rows"].as_array().expect("rows") {
+            let name = format!("{} ×1", r["method"].as_str().expect("a method"));
+            let row = reported.iter().find(|t| t[0].trim_end_matches(" *") == name).unwrap_or_else(|| panic!("{name}"));
+            let said = |cell: usize| row[cell].trim_start_matches("< ").parse::<f64>().expect("a number");
+            let error =
+                r["error"].as_f64().expect("an error").max(found["reference"]["known"].as_f64().expect("known"));
+            assert!((error / said(1) - 1.0).abs() < 0.06, "{name}: {error:e} and {row:?}");
+            assert!((r["cents"].as_f64().expect("a pitch") - said(3)).abs() < 0.002, "{name}: {r} and {row:?}");
+            assert_eq!(row[8], r["stability"].as_str().expect("a word"), "{name}");
+        }
+    }
+}

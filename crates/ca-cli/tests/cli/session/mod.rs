@@ -1,0 +1,5 @@
+//! What is played: servers, takes, shared memory.
+
+mod serve;
+mod shm;
+pub mod take;

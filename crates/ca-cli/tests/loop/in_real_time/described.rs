@@ -1,0 +1,203 @@
+//! A device that nobody has described is what it says of itself: one degree of freedom or three, before the server or
+//! after it; and a key that presses while somebody arms is named.
+
+use crate::liar::{Liar, Lie};
+use crate::stage::{Stage, until};
+use ca_haptic::frame::{About, DOF, DeviceFrame};
+use ca_haptic::host::{DeviceClient, Site};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A spring of 500 N/m from where the finger is at first.
+const FINGER: &str = r#"
+[TGR]
+key = { device = "finger", dof = 0 }
+[SOL]
+wall = {}
+[RES]
+spring = { between = ["key", "wall"], k = 500, l0 = 0 }
+[SOX]
+out = { from = "key" }
+"#;
+
+/// A device of our own client that is where it is told to be, and remembers the forces it was given.
+struct TestDevice {
+    stop: Arc<AtomicBool>,
+    goes: Arc<AtomicBool>,
+    /// largest force so far, and that now \[uN\]
+    forces: Arc<[AtomicU64; 2]>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// How far it goes \[m\], in how long \[s\].
+const DEPTH: f64 = 1.5e-3;
+const TIME: f64 = 0.5;
+
+impl TestDevice {
+    fn new(site: &Site, n: usize, axes: u16) -> TestDevice {
+        let (stop, goes) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+        let forces = Arc::new([AtomicU64::new(0), AtomicU64::new(0)]);
+        let (site, end, go, to) = (site.clone(), stop.clone(), goes.clone(), forces.clone());
+        let thread = std::thread::spawn(move || {
+            let about = About {
+                axes,
+                low: [-0.02; DOF],
+                high: [0.02; DOF],
+                force: [10.0; DOF],
+                ..About::new("finger", 1000, n)
+            };
+            let mut device = DeviceClient::open(&site, about).unwrap();
+            let (mut frame, mut way) = (DeviceFrame::new("finger", n), 0.0);
+            let (start, mut due) = (Instant::now(), Instant::now());
+            while !end.load(Relaxed) {
+                if go.load(Relaxed) {
+                    way = (way + 1e-3 / TIME).min(1.0);
+                }
+                // a hand that begins and ends at rest
+                frame.pos[0] = DEPTH * way * way * (3.0 - 2.0 * way);
+                frame.t_device_ns = start.elapsed().as_nanos() as u64;
+                device.send(&mut frame).unwrap();
+                let force = device.safe_force();
+                let size = (force[..n].iter().map(|f| f * f).sum::<f64>().sqrt() * 1e6) as u64;
+                to[0].fetch_max(size, Relaxed);
+                to[1].store(size, Relaxed);
+                // what stood still goes on at its rate
+                due = (due + Duration::from_millis(1)).max(Instant::now());
+                std::thread::sleep(due.saturating_duration_since(Instant::now()));
+            }
+        });
+        TestDevice { stop, goes, forces, thread: Some(thread) }
+    }
+
+    /// Largest force so far, and that now \[N\].
+    fn forces(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.forces[k].load(Relaxed) as f64 * 1e-6)
+    }
+}
+
+impl Drop for TestDevice {
+    fn drop(&mut self) {
+        self.stop.store(true, Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let ended = thread.join();
+            assert!(ended.is_ok() || std::thread::panicking());
+        }
+    }
+}
+
+/// Forces stay on where this machine stands still for a while: its watchdogs are not what this is about.
+fn stage() -> Stage {
+    let stage = Stage::new();
+    let unknown = include_str!("../../../../ca-haptic/profiles/unknown.toml");
+    let patient = format!("{unknown}\n[guard]\nclear_time = 0.025\nramp = 0.1\nhold = 0.05\nzero = 0.09\nttl = 0.06\n");
+    stage.put("c/profiles/unknown.toml", &patient).put("finger.ca.toml", FINGER);
+    stage
+}
+
+#[test]
+fn a_key_without_a_profile_is_felt_whoever_comes_first() {
+    for server_first in [true, false] {
+        let stage = stage();
+        let mut finger = (!server_first).then(|| TestDevice::new(&stage.site, 1, 1));
+        let server = stage.serve("finger.ca.toml", &["--json", "--log", "take.mcap"]);
+        let finger = finger.get_or_insert_with(|| TestDevice::new(&stage.site, 1, 1));
+        stage.on();
+        finger.goes.store(true, Relaxed);
+        until("it is held", || {
+            stage.on();
+            (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
+        });
+        let most = finger.forces()[0];
+        assert!(most < 1.1 * 500.0 * DEPTH, "{most} N where the spring gives {} N", 500.0 * DEPTH);
+        let ran = server.stop();
+        let reported = ran.json();
+        assert_eq!(reported["devices"][0]["dropped"], 0, "{reported:#}");
+        assert!(ran.err.contains("finger: it says: ") && ran.err.contains("1 degrees of freedom"), "{}", ran.err);
+        // what it said is in the take
+        stage.ca(&["replay", "take.mcap", "--verify"]).is(0);
+        stage.ca(&["report", "take.mcap", "-o", "take.html"]).is(0);
+        assert!(stage.read("take.html").contains("1 degrees of freedom; at most 2 N"));
+    }
+}
+
+#[test]
+fn three_axes_of_a_device_without_a_profile_are_one_force() {
+    let stage = stage();
+    // 4 N on each axis, once the parameter is played
+    let mut model = String::from("[param]\nk = { value = 0, unit = \"N/m\", live = true, min = 0, max = 10 }\n[TGR]\n");
+    for d in 0..3 {
+        model = format!("{model}p{d} = {{ device = \"finger\", dof = {d} }}\n");
+    }
+    model += "[SOL]\nfar = { x = \"1 m\" }\n[RES]\ns = { between = [[\"p0\", \"p1\", \"p2\"], \"far\"], k = \"k\", l0 = 0 }\n";
+    stage.put("stylus.ca.toml", &model);
+    let _server = stage.serve("stylus.ca.toml", &["--quiet"]);
+    let finger = TestDevice::new(&stage.site, 3, 3);
+    stage.on();
+    stage.ca(&["set", "k=4 N/m"]).is(0);
+    until("all it gives", || {
+        stage.on();
+        finger.forces()[1] > 1.99
+    });
+    assert!(finger.forces()[0] <= 2.0 + 1e-6, "{} N of a vector", finger.forces()[0]);
+}
+
+#[test]
+fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
+    let stage = stage();
+    stage.put("two.ca.toml", &FINGER.replace("dof = 0", "dof = 1"));
+    let server = stage.serve("two.ca.toml", &["--arm", "--seconds", "2"]);
+    let finger = TestDevice::new(&stage.site, 1, 1);
+    let ran = server.end();
+    ran.says(&["finger: the model uses 2 of its degrees of freedom and it has 1: it is not played"]);
+    assert_eq!(finger.forces()[0], 0.0);
+    drop(finger);
+    // the same where somebody has described it
+    let server = stage.serve("two.ca.toml", &["--profile", "finger=falcon", "--arm", "--seconds", "2"]);
+    let _finger = TestDevice::new(&stage.site, 1, 1);
+    server.end().says(&["its profile `falcon` 3: its frames are not used", "`dof = 1`"]);
+}
+
+#[test]
+fn conformance_asks_whether_it_would_be_served() {
+    let stage = Stage::new();
+    let row = |v: &serde_json::Value, name: &str| {
+        let rows = v["rows"].as_array().unwrap();
+        let r = rows.iter().find(|r| r["name"] == name).unwrap_or_else(|| panic!("no row `{name}` in {v:#}"));
+        (r["pass"].as_bool().unwrap(), r["found"].as_str().unwrap().to_owned())
+    };
+    {
+        // nobody has described it: it is what it says
+        let _device = Liar::new(&stage.site, "finger", Lie::None);
+        let (pass, found) = row(&stage.ca(&["device", "conformance", "finger", "--json"]).json(), "serve");
+        assert!(pass && found.contains("profile `unknown`, at most 2 N"), "{found}");
+    }
+    // twelve keys are shipped under this name, and it has one
+    let _device = Liar::new(&stage.site, "tgr12", Lie::None);
+    let ran = stage.ca(&["device", "conformance", "tgr12", "--json"]).is(1);
+    let (pass, found) = row(&ran.json(), "serve");
+    assert!(!pass && found.contains("it has 1 degrees of freedom, the profile 12: no frame is used"), "{found}");
+}
+
+#[test]
+fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
+    let stage = Stage::new();
+    // 1.5 N where the key rests; of 10 N, 0.5 N count as nothing
+    let model = crate::stage::KEY.replace("0.9 mm", "3 mm");
+    assert!(model.contains("3 mm"));
+    stage.put("presses.ca.toml", &model);
+    let device = stage.key(&["--script", "hold"]);
+    let server = stage.serve("presses.ca.toml", &["--arm", "--log", "t.mcap"]);
+    let says =
+        "key: armed, forces still off: `key` presses with 1.5 N; move it to where it presses with less than 0.5 N";
+    until("it is said twice", || server.said().matches(says).count() >= 2);
+    let status = stage.ca(&["status"]).is(0);
+    status.says(&["`key` presses with 1.5 N"]);
+    let ran = server.stop();
+    assert!(ran.out.contains("key: off to the end; armed, but `key` presses with 1.5 N"), "{}", ran.out);
+    device.stop().is(0);
+    // one that is disarmed waits for nobody
+    let server = stage.serve("presses.ca.toml", &["--seconds", "1"]).end();
+    assert!(server.out.contains("key: off to the end") && !server.out.contains("armed, but"), "{}", server.out);
+}

@@ -1,0 +1,4 @@
+//! Sound servers, each a real one.
+
+pub mod audio;
+mod pulse;

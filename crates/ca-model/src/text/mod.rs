@@ -1,0 +1,8 @@
+//! From the text of one file to a model, with its parts as written; nothing here opens a file.
+
+mod blocks;
+pub(crate) mod entry;
+pub(crate) mod file;
+mod members;
+pub(crate) mod reader;
+mod syntax;
