@@ -9,6 +9,7 @@ mod mallet;
 mod piano;
 mod plates;
 mod played;
+mod renders;
 mod space;
 mod strings;
 
