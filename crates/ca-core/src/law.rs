@@ -34,6 +34,8 @@ pub struct Bound {
     pub curve: bool,
     /// true where a slope grows without end with elongation; `k` and `z` are then those at rest
     pub hardens: bool,
+    /// of a contact that grows with a power of its depth, η^p: the factor \[N/m^p\] and p; 0 of all others
+    pub power: (f64, f64),
     /// true where the law can feed energy in by itself
     pub active: bool,
     /// part of four times `k` that is taken from the time to come, so that stability does not count it: 4θk

@@ -181,6 +181,7 @@ impl Scene {
         d.set_item("worst", &c.worst)?;
         d.set_item("contact", c.contact)?;
         d.set_item("stiffest", &c.stiffest)?;
+        d.set_item("depth", c.depth.clone())?;
         d.set_item("friction", c.friction)?;
         d.set_item("not_judged", c.not_judged.clone())?;
         Ok(d)

@@ -13,7 +13,8 @@ use ca_core::scene::certificate::Certificate;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
-/// Rules for contacts (docs/numerics.md §3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most. The mobility is that of both
+/// Rules for contacts (docs/numerics.md §3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most; of one that grows with a power of
+/// its depth, the depth at which its slope is so. The mobility is that of both
 /// ends with the links that hold them (`held`), where that is known.
 pub fn contacts(
     model: &Model,
@@ -29,10 +30,18 @@ pub fn contacts(
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
-        if !b.contact || b.k == 0.0 || l.law.is_staged() {
+        let (q, p) = b.power;
+        if !b.contact || (b.k == 0.0 && q == 0.0) || l.law.is_staged() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
+        if q * c > 0.0 {
+            let depth = libm::pow(1.0 / (p * q * c), 1.0 / (p - 1.0));
+            if cert.depth.as_ref().is_none_or(|d| depth < d.1) {
+                cert.depth = Some((l.name.to_string(), depth));
+            }
+            continue;
+        }
         let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;

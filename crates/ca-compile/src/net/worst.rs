@@ -110,7 +110,8 @@ pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
             // what counts is k − lift, whose worst is not that of k
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);
-            worst = if i == 0 { b } else { Bound { k, z: worst.z.max(b.z), lift: k - most, ..b } };
+            let power = if b.power.0 > worst.power.0 { b.power } else { worst.power };
+            worst = if i == 0 { b } else { Bound { k, z: worst.z.max(b.z), lift: k - most, power, ..b } };
         }
         last = Some((l.item, l.values.clone(), worst));
         bounds.push(worst);

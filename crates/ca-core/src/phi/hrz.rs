@@ -105,6 +105,7 @@ impl Phi<5, 0> for Hrz {
     }
     fn bound(&[k, n, h, ..]: &[f64; 5], _: &[Table]) -> Bound {
         let linear = n == 4.0;
-        Bound { k: if linear { k } else { 0.0 }, contact: true, hardens: !linear || h != 0.0, ..Bound::default() }
+        let (k, power) = if linear { (k, (0.0, 0.0)) } else { (0.0, (k, 0.25 * n)) };
+        Bound { k, power, contact: true, hardens: !linear || h != 0.0, ..Bound::default() }
     }
 }

@@ -84,6 +84,8 @@ pub struct Certificate {
     pub contact: f64,
     /// the contact it belongs to
     pub stiffest: String,
+    /// of contacts by a power of their depth, p q η^(p−1) T²/m reaches 1 in this one first, at this depth η \[m\]
+    pub depth: Option<(String, f64)>,
     /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
     pub friction: f64,
     /// items with masses that nothing hears: they are left out, and nothing here is said of them
@@ -102,6 +104,10 @@ impl Certificate {
             (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
             (a, b) => a.or(b),
         };
+        let depth = match (self.depth, slow.depth) {
+            (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
+            (a, b) => a.or(b),
+        };
         let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
         Certificate {
             level: self.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
@@ -114,6 +120,7 @@ impl Certificate {
             worst: if nearer { slow.worst } else { self.worst },
             contact: self.contact.max(slow.contact),
             stiffest,
+            depth,
             friction: self.friction.max(slow.friction),
             ..self
         }

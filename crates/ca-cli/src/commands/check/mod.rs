@@ -8,7 +8,7 @@ mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
-use crate::commands::render::{rippling, stability, stability_json};
+use crate::commands::render::{deepening, rippling, stability, stability_json};
 use crate::commands::{border, inputs};
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
@@ -180,6 +180,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     }
     if c.contact > 0.0 {
         writeln!(out, "  contacts   `{}` is the stiffest: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))?;
+    }
+    if let Some(depth) = &c.depth {
+        writeln!(out, "  {:<10} {}", if c.contact > 0.0 { "" } else { "contacts" }, deepening(depth))?;
     }
     Ok(())
 }

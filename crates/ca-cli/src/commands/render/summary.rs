@@ -18,7 +18,7 @@ use ca_io::slow::EDGE;
 use ca_io::sound::Written;
 pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_lab::play::{gain, made, unbalanced};
-use ca_model::quantity::{show, six};
+use ca_model::quantity::{rounded, show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::Duration;
@@ -403,12 +403,18 @@ pub(crate) fn rippling(ripple: f64) -> String {
     )
 }
 
-/// The same for programs.
+/// Of contacts that grow with their depth, which is too steep first, and where.
+pub(crate) fn deepening((name, depth): &(String, f64)) -> String {
+    format!("`{name}` grows with its depth: kT²/m is 1 at {}", show(rounded(*depth, 3), Unit::METRE))
+}
+
+/// What is proven, for programs.
 pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
-        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest, "friction": c.friction,
+        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
+        "depth": c.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.friction,
         "not_judged": c.not_judged,
     })
 }

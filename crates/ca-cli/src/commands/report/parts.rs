@@ -5,7 +5,7 @@
 
 use crate::commands::border;
 use crate::commands::check::codes;
-use crate::commands::render::{decibel, fitting, level, rippling, stability as verdict, tenths, too_loud};
+use crate::commands::render::{decibel, deepening, fitting, level, rippling, stability as verdict, tenths, too_loud};
 use crate::term::short;
 use ca_compile::Compiled;
 use ca_compile::Options;
@@ -260,6 +260,7 @@ pub(super) fn stability(scene: &Compiled) -> Section {
     if c.contact > 0.0 {
         rows.push(("stiffest contact", format!("`{}`: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))));
     }
+    rows.extend(c.depth.as_ref().map(|depth| ("steepest contact", deepening(depth))));
     let mut blocks = vec![Block::Table(Table::pairs(rows))];
     let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);
     let keys: Vec<Vec<String>> = keys.collect();

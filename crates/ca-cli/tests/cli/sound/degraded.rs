@@ -148,4 +148,14 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     let r = desk.ca(&args).is(3).says(&["findings", "`ca check struck.ca.toml --set 'strike.k=1e15 N/m'`"]);
     assert!(!r.err.contains("multiply the gain"), "{}", r.err);
     desk.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W104", "`strike`"]);
+    // the slope of a power is that at a depth, which for an absurd stiffness is none that a blow could have
+    let hard = |k: &str| {
+        let r = desk.ca(&["check", "hammered_string", "--set", k, "--json"]).is(0).json();
+        let depth = &r["summary"]["stability"]["depth"];
+        assert_eq!(depth["contact"], "strike", "{r:#}");
+        depth["m"].as_f64().unwrap()
+    };
+    let ratio = hard("strike.k=1e30") / hard("strike.k=4e12");
+    assert!((ratio / (4e12_f64 / 1e30).sqrt() - 1.0).abs() < 1e-9, "{ratio}");
+    desk.ca(&["check", "hammered_string"]).says(&["`strike` grows with its depth: kT²/m is 1 at "]);
 }
