@@ -31,9 +31,14 @@ pub fn symbol(ty: Type) -> String {
 pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64> {
     let such = parse(format!("1.5 {unit}").trim());
     let fits = |q: &Quantity| !q.has_unit || such.as_ref().is_ok_and(|s| s.dim.same(q.dim));
-    let refused = |why: String| usage(py, &format!("{name} = \"{text}\": {why}; write a number, or \"1.5 {unit}\""));
+    let or = if unit.is_empty() { String::new() } else { format!(", or \"1.5 {unit}\"") };
+    let refused = |why: String| usage(py, &format!("{name} = \"{text}\": {why}; write a number{or}"));
     let read = parse(text).map_err(|e: QuantityError| refused(e.to_string()))?;
-    if fits(&read) { Ok(read.value) } else { Err(refused(format!("that is not in {unit}"))) }
+    if fits(&read) {
+        Ok(read.value)
+    } else {
+        Err(refused(if unit.is_empty() { "that has a unit".into() } else { format!("that is not in {unit}") }))
+    }
 }
 
 /// All modes of the linear part, as arrays over modes.

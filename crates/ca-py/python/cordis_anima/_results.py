@@ -285,7 +285,7 @@ def _value(name: str, given: Any) -> Any:
 
 
 def number(name: str, given: object, unit: str) -> float:
-    """A number in `unit`, or a quantity as text, e.g. ``"1.5 s"``.
+    """A number in `unit`, which may be none, or a quantity as text, e.g. ``"1.5 s"``.
 
     Raises:
         UsageError: it is neither.
@@ -295,7 +295,8 @@ def number(name: str, given: object, unit: str) -> float:
     try:
         return float(given)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
-        raise UsageError(f'{name} = {given!r}: write a number, or "1.5 {unit}"') from None
+        quantity = f', or "1.5 {unit}"' if unit else ""
+        raise UsageError(f"{name} = {given!r}: write a number{quantity}") from None
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:

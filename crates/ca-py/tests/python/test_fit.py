@@ -53,6 +53,9 @@ def test_what_cannot_be_fitted_says_why(tmp_path: Path) -> None:
     for renders, what in [(-1, "1 to"), (0, "1 to"), (2.5, "whole number"), (2**40, "1 to")]:
         with pytest.raises(ca.UsageError, match=what):
             ca.fit(start, heard, ["low.f"], renders=renders)  # type: ignore[arg-type]
+    for gain, what in [("loud", "write a number$"), ("2 m", "that has a unit"), ([1, 2], "write a number$")]:
+        with pytest.raises(ca.UsageError, match=what):
+            ca.fit(start, heard, ["low.f"], gain=gain)  # type: ignore[arg-type]
     with pytest.raises(ca.UsageError, match="finite"):
         ca.fit(start, np.full(4800, np.nan), ["low.f"])
     with pytest.raises(ca.FailedError, match="silent"):

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._errors import UsageError
-from .._results import length, whole
+from .._results import length, number, whole
 from .._gestures import Gesture, Path, made
 from .measured import Progress
 from .._scene import Scene
@@ -155,7 +155,7 @@ def fit(
         vary,
         ranges=pairs,
         seconds=None if seconds is None else length(seconds),
-        gain=gain,
+        gain=None if gain is None else number("gain", gain, ""),
         renders=renders,
         gesture=made(scene._compiled, gesture),
         report=report,
