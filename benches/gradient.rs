@@ -180,7 +180,7 @@ What is short of what is expected, by samples of the processor (`perf record` of
 
 - *Forward.* Of the string of 200 half is the fused pass, of the render and of six states of derivatives; a fifth the forces that changed
   numbers add, found once a sample; the rest the short passes of each state: a link at its side, the outputs, copies.
-- *Reverse.* The passes run three times, to play, to play once more from checkpoints and back; then sums of what is owed to
+- *Reverse.* The passes run three times, to play, to play once more from checkpoints and back; then sums of the adjoints of
   numbers, a fifth, and copies of the ticks that are played once more.
 - *Bowed bar.* A scene of three masses, in which the way back runs what is solved together over dual numbers, seven of the numbers
   that it reads at a time.

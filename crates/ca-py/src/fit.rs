@@ -5,7 +5,7 @@ use crate::gesture::Gesture;
 use crate::wait::Wait;
 use ca_io::recording::Recording;
 use ca_lab::Failure;
-use ca_lab::fit::{self, Distance, FitOptions, Halt, Range, Stage};
+use ca_lab::fit::{self, Distance, FitOptions, Range, Stage, StopReason};
 use ca_lab::load::Loaded;
 use ca_model::Value;
 use numpy::PyReadonlyArray2;
@@ -103,7 +103,7 @@ pub fn fitted<'py>(
     all.set_item("renders", found.renders)?;
     all.set_item("seconds", found.seconds)?;
     all.set_item("stage", if found.stage == Stage::Samples { "samples" } else { "levels" })?;
-    all.set_item("settled", found.halt == Halt::Settled)?;
+    all.set_item("settled", found.halt == StopReason::Settled)?;
     all.set_item("explained", found.explained)?;
     all.set_item("warnings", found.warnings())?;
     all.set_item("before", distance(py, &found.before)?)?;

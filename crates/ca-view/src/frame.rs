@@ -47,7 +47,7 @@ impl Frame {
 
 /// Where a node stands: in which frame, and there to the right, into the depth and along the motion \[m\].
 #[derive(Clone, Copy, Debug)]
-pub struct Stand {
+pub struct Placed {
     /// index of the frame
     pub frame: usize,
     /// the place in it
@@ -59,7 +59,7 @@ pub struct Places {
     /// the first is that of all that is tied to no axis of space
     pub frames: Vec<Frame>,
     /// where nodes on a line stand, as far as they are placed (nodes)
-    pub stand: Vec<Option<Stand>>,
+    pub stand: Vec<Option<Placed>>,
     /// width of what is drawn \[m\]
     pub width: f64,
     /// distance of neighbours at the ends of rows, by node; 0 elsewhere (nodes)
@@ -88,7 +88,7 @@ impl Places {
     }
 
     /// The place of a mass on a line that is tied to one in space: beside it, towards where its axis comes from.
-    pub fn tie_one(&mut self, graph: &Graph, line: u32) -> Option<Stand> {
+    pub fn tie_one(&mut self, graph: &Graph, line: u32) -> Option<Placed> {
         let (axis, middle) = self.tied.get(&line).copied()?;
         let mut new = Frame::new(axis as usize, 1.0);
         let across = new.across(middle);
@@ -98,7 +98,7 @@ impl Places {
             self.frames.push(new);
             self.frames.len() - 1
         });
-        Some(Stand { frame, at: [0.0, 0.0, graph.rest[line as usize][0]] })
+        Some(Placed { frame, at: [0.0, 0.0, graph.rest[line as usize][0]] })
     }
 }
 

@@ -4,7 +4,7 @@
 //! (a bridge), fixed points last, since they stand where all that they hold is. What rests apart from its neighbour along the
 //! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
 
-use crate::frame::{Frame, Places, Stand};
+use crate::frame::{Frame, Placed, Places};
 use crate::graph::Graph;
 use std::collections::{BTreeSet, HashMap};
 
@@ -74,7 +74,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
                 None => break,
             },
         };
-        let stands: Vec<Stand> = round
+        let stands: Vec<Placed> = round
             .iter()
             .map(|i| {
                 beside(graph, p, free[*i] as usize, &around[*i], turn(*i)).unwrap_or_else(|| {
@@ -119,7 +119,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
 }
 
 /// The place of a mass beside those it is linked to, as far as they stand.
-fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Placement) -> Option<Stand> {
+fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Placement) -> Option<Placed> {
     let w = p.width;
     let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
     let frame = standing().next()?.frame;
@@ -156,18 +156,18 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
             }
         }
     };
-    Some(Stand { frame, at })
+    Some(Placed { frame, at })
 }
 
 /// A place for the mass that is linked to nothing that stands, in rows before all else.
-fn by_itself(graph: &Graph, p: &Places, node: usize, i: usize) -> Stand {
+fn by_itself(graph: &Graph, p: &Places, node: usize, i: usize) -> Placed {
     let (column, row) = ((i % 9) as f64, (i / 9) as f64);
     let at = [(column - 4.0) / 8.0 * p.width, p.front - (0.25 + 0.12 * row) * p.width, graph.rest[node][0]];
-    Stand { frame: 0, at }
+    Placed { frame: 0, at }
 }
 
 /// The cell of a grid in which a node stands, moved by so much of a cell: of the first frame, or of space.
-fn cell(frames: &[Frame], s: &Stand, grain: f64, moved: [f64; 3]) -> [i64; 4] {
+fn cell(frames: &[Frame], s: &Placed, grain: f64, moved: [f64; 3]) -> [i64; 4] {
     let at = if s.frame == 0 { s.at } else { frames[s.frame].point(s.at) };
     let [a, b, c] = [0, 1, 2].map(|k| libm::floor(at[k] / grain + moved[k]) as i64);
     [s.frame.min(1) as i64, a, b, c]
@@ -183,13 +183,13 @@ struct Taken {
 
 impl Taken {
     /// Whether something stands within a quarter of a cell.
-    fn has(&self, frames: &[Frame], s: &Stand) -> bool {
+    fn has(&self, frames: &[Frame], s: &Placed) -> bool {
         let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -0.25 } else { 0.25 });
         (0..8).any(|i| self.cells.contains_key(&cell(frames, s, self.grain, corner(i))))
     }
 
     /// Moves a mass aside, around the place it should have, until it stands by itself.
-    fn aside(&mut self, frames: &[Frame], s: &mut Stand) {
+    fn aside(&mut self, frames: &[Frame], s: &mut Placed) {
         let (wanted, from) = (cell(frames, s, self.grain, [0.0; 3]), s.at);
         let mut k = self.cells.get(&wanted).copied().unwrap_or(0);
         while self.has(frames, s) {

@@ -5,7 +5,7 @@
 //! masses in space stand where they are.
 
 use crate::bodies::{Body, Shape};
-use crate::frame::{Frame, Places, Stand};
+use crate::frame::{Frame, Placed, Places};
 use crate::graph::{Graph, Source};
 use crate::loose;
 
@@ -89,7 +89,7 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
                 axes.push([0.0; 3]);
             }
             (_, stand) => {
-                let stand = stand.unwrap_or(Stand { frame: 0, at: [0.0; 3] });
+                let stand = stand.unwrap_or(Placed { frame: 0, at: [0.0; 3] });
                 let frame = &p.frames[stand.frame];
                 at.push(frame.point(stand.at));
                 axes.push(frame.axes[2]);
@@ -175,7 +175,7 @@ fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2]
     for (n, at) in body.nodes.iter().zip(&body.at) {
         let (n, at) = (*n as usize, if turned { [at[1], at[0]] } else { *at });
         let at = [middle[0] + long * at[0], middle[1] + long * at[1], graph.rest[n][0]];
-        p.stand[n] = Some(Stand { frame, at });
+        p.stand[n] = Some(Placed { frame, at });
     }
     if let (Shape::Row, Some(first), Some(last)) = (body.shape, body.nodes.first(), body.nodes.last()) {
         let apart = long / (body.long as f64 - 1.0).max(4.0);
@@ -209,7 +209,7 @@ fn points(graph: &Graph, p: &mut Places) {
             }
         }
         if let Some(frame) = frame {
-            p.stand[*node as usize] = Some(Stand { frame, at });
+            p.stand[*node as usize] = Some(Placed { frame, at });
         }
     }
 }

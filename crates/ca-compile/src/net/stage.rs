@@ -131,30 +131,30 @@ pub struct Pruned {
 
 /// The MATs an end can act on, as a list: that of every link is asked for in many passes, so that none is made.
 #[derive(Clone, Copy)]
-pub enum Under<'a> {
+pub enum EndMats<'a> {
     /// a MAT
     One([u32; 1]),
     /// what a moving point moves along
     Along(&'a [u32]),
 }
 
-impl Deref for Under<'_> {
+impl Deref for EndMats<'_> {
     type Target = [u32];
     fn deref(&self) -> &[u32] {
         match self {
-            Under::One(m) => m,
-            Under::Along(all) => all,
+            EndMats::One(m) => m,
+            EndMats::Along(all) => all,
         }
     }
 }
 
-impl<'a> IntoIterator for Under<'a> {
+impl<'a> IntoIterator for EndMats<'a> {
     type Item = u32;
     type IntoIter = core::iter::Chain<core::option::IntoIter<u32>, core::iter::Copied<core::slice::Iter<'a, u32>>>;
     fn into_iter(self) -> Self::IntoIter {
         let (one, all) = match self {
-            Under::One([m]) => (Some(m), &[][..]),
-            Under::Along(all) => (None, all),
+            EndMats::One([m]) => (Some(m), &[][..]),
+            EndMats::Along(all) => (None, all),
         };
         one.into_iter().chain(all.iter().copied())
     }
@@ -281,10 +281,10 @@ impl Wired {
     }
 
     /// The MATs an end can act on.
-    pub fn under(&self, end: End) -> Under<'_> {
+    pub fn under(&self, end: End) -> EndMats<'_> {
         match end {
-            End::Mat(m) => Under::One([m]),
-            End::Point(p) => Under::Along(self.families.of(&self.points[p as usize].family).nodes),
+            End::Mat(m) => EndMats::One([m]),
+            End::Point(p) => EndMats::Along(self.families.of(&self.points[p as usize].family).nodes),
         }
     }
 

@@ -7,7 +7,7 @@
 use super::Op;
 use super::pass::Heard;
 use crate::numeric::{Real, TINY, outer, real};
-use crate::op::layout::{Blocker, Layout, Tap};
+use crate::op::layout::{DcBlocker, Layout, Tap};
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
@@ -32,7 +32,7 @@ pub fn of_motion(op: &Op, layout: &Layout, s: &mut State) {
 
 /// What a high pass makes of `v`.
 #[inline(always)]
-fn step(c: Blocker, kept: &mut [Real; 2], tick: u64, v: Real) -> Real {
+fn step(c: DcBlocker, kept: &mut [Real; 2], tick: u64, v: Real) -> Real {
     let [before, y] = if tick == 0 { [v, real(0.0)] } else { *kept };
     let y = c.r * y + c.g * (v - before);
     let y = if y.abs() < TINY { real(0.0) } else { y };

@@ -1,4 +1,4 @@
-//! Alone: one link over dual numbers, by the kernel of its law, and what a loss owes to its ends, memory and numbers.
+//! Alone: one link over dual numbers, by the kernel of its law, and the derivatives of a loss by its ends, memory and numbers.
 //!
 //! Decides for a scene of the ends and this link, whose state is written anew for each: so laws, measures and methods are
 //! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
@@ -118,7 +118,7 @@ impl Shape {
         self.reach() + 4 * self.ports.len()
     }
 
-    /// Of what the link reads, that to which something is owed on in each tick. Of two ends one is enough, where the force goes by
+    /// Of what the link reads, that which has an adjoint in each tick. Of two ends one is enough, where the force goes by
     /// their difference alone. `motions`: lengths before are not kept, and had from motion.
     pub fn carried(&self, motions: bool) -> Vec<usize> {
         let mut all = Vec::new();
@@ -150,14 +150,14 @@ pub struct Alone {
     pub given: Vec<f64>,
     /// the derivatives of each of it
     pub moving: Vec<[f64; TANGENTS]>,
-    /// what a loss owes to each of it
-    pub owed: Vec<f64>,
+    /// the adjoint of each of it
+    pub adjoint: Vec<f64>,
     /// the derivatives of what it does: the forces on its ends, memory, lengths, and its own force (that of each)
     pub done: Vec<[f64; TANGENTS]>,
 }
 
-/// What a loss owes to what a link does.
-pub struct Owed<'a> {
+/// Adjoints of what a link does.
+pub struct LinkAdjoints<'a> {
     /// forces on its ends (slots)
     pub force: &'a [f64],
     /// its own force (links)
@@ -228,7 +228,7 @@ impl Alone {
             given: vec![0.0; shape.len()],
             moving: vec![[0.0; TANGENTS]; shape.len()],
             done: vec![[0.0; TANGENTS]; slots + shape.mem + shape.ports.len() + links],
-            owed: vec![0.0; shape.len()],
+            adjoint: vec![0.0; shape.len()],
             shape,
         })
     }
@@ -272,8 +272,8 @@ impl Alone {
         self.done.iter_mut().zip(all).for_each(|(to, v)| *to = *v.tangents());
     }
 
-    /// What a loss owes to the numbers at `wanted`, by what it owes to all that the link does.
-    pub fn owe(&mut self, by: &Owed, wanted: &[usize]) {
+    /// Adjoints of the numbers at `wanted`, by those of all that the link does.
+    pub fn pull_back(&mut self, by: &LinkAdjoints, wanted: &[usize]) {
         for some in wanted.chunks(TANGENTS) {
             if self.direct {
                 self.force(by, some);
@@ -293,13 +293,13 @@ impl Alone {
             s.lengths.iter().zip(by.lengths).for_each(|(v, by)| add(v, by));
             s.tap.iter().zip(by.tap).for_each(|(v, by)| add(v, *by));
             for (at, sum) in some.iter().zip(sums) {
-                self.owed[*at] = sum;
+                self.adjoint[*at] = sum;
             }
         }
     }
 
     /// The same of some numbers of a dipole on a line, by its law without a kernel: a third of the time.
-    fn force(&mut self, by: &Owed, some: &[usize]) {
+    fn force(&mut self, by: &LinkAdjoints, some: &[usize]) {
         let (sh, given) = (&self.shape, &self.given);
         let [x, d] = [0, sh.d()].map(|at| given[at + 1] - given[at]);
         let (mut e, mut w) = (Dual::constant(x + given[sh.e0()]), Dual::constant(d));
@@ -321,10 +321,10 @@ impl Alone {
         }
         let Some(law) = self.ops[0].law else { return };
         let force = (law.force)(coefs, &mut self.s.mem, &self.layout.tables, e, w);
-        let owed = by.force[0] - by.force[1] + by.tap[0];
+        let adjoint = by.force[0] - by.force[1] + by.tap[0];
         for (lane, at) in some.iter().enumerate() {
             let memory = self.s.mem.iter().zip(by.memory).map(|(v, by)| by * v.tangents()[lane]);
-            self.owed[*at] = owed * force.tangents()[lane] + memory.sum::<f64>();
+            self.adjoint[*at] = adjoint * force.tangents()[lane] + memory.sum::<f64>();
         }
     }
 

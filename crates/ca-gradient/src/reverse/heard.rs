@@ -1,9 +1,9 @@
-//! Heard: outputs on the way back, from what a loss owes to samples to what it owes to places, motions and forces.
+//! Heard: outputs on the way back, from adjoints of samples to those of places, motions and forces.
 
 use crate::parts::outputs::{Listed, listed};
 use crate::parts::record::Row;
 use ca_core::Scene;
-use ca_core::op::layout::{Blocker, Tap};
+use ca_core::op::layout::{DcBlocker, Tap};
 
 /// What an output hears, and how.
 struct Heard {
@@ -15,8 +15,8 @@ struct Heard {
     /// it hears motion
     motion: bool,
     /// its high pass, with its number
-    high_pass: Option<(usize, Blocker)>,
-    /// what is owed to the high pass at the tick after
+    high_pass: Option<(usize, DcBlocker)>,
+    /// adjoints of the high pass at the tick after
     kept: f64,
 }
 
@@ -29,8 +29,8 @@ pub struct Outputs {
     n_out: usize,
 }
 
-/// What is owed to what is heard at a tick.
-pub enum Owed {
+/// Adjoints of what is heard at a tick.
+pub enum HeardAdjoint {
     Place(usize, f64),
     Motion(usize, f64),
     /// the sum of the forces on a slot
@@ -62,7 +62,7 @@ impl Outputs {
         }
     }
 
-    /// What is owed to the channels before their low-pass (frames x outputs).
+    /// Adjoints of the channels before their low-pass (frames x outputs).
     pub fn before_low_pass(&self, cotangent: &[f64]) -> Vec<f64> {
         let mut all = cotangent.to_vec();
         let Some((middle, sides)) = self.low_pass.split_last() else { return all };
@@ -77,18 +77,18 @@ impl Outputs {
         all
     }
 
-    /// Goes one tick back: `owed` to its samples (outputs); tells of what is heard, and adds to `gains` by the index of each.
+    /// Goes one tick back: `adjoint` is that of its samples (outputs); tells of what is heard, and adds to `gains` by the index of each.
     pub fn back(
         &mut self,
         tick: usize,
-        owed: &[f64],
+        adjoint: &[f64],
         row: &Row,
-        mut to: impl FnMut(Owed),
+        mut to: impl FnMut(HeardAdjoint),
         mut gains: impl FnMut(usize, f64),
     ) {
         let mut forces = row.heard.iter();
         for h in &mut self.all {
-            let mut v = owed[h.channel];
+            let mut v = adjoint[h.channel];
             let mut to_filter = 0.0;
             if let Some((_, c)) = h.high_pass {
                 // what is heard at load has always been there
@@ -96,17 +96,17 @@ impl Outputs {
                 v = c.g * (now - h.kept);
                 (h.kept, to_filter) = (now, now);
             }
-            let (raw, owed) = match h.tap {
-                Tap::Position(m) if h.motion => (row.d[m as usize], Owed::Motion(m as usize, h.gain * v)),
-                Tap::Position(m) => (row.x[m as usize], Owed::Place(m as usize, h.gain * v)),
-                Tap::ForceOn(m) => (forces.next().copied().unwrap_or(0.0), Owed::Sum(m as usize, h.gain * v)),
-                Tap::ForceOf(t) => (forces.next().copied().unwrap_or(0.0), Owed::Force(t as usize, h.gain * v)),
+            let (raw, adjoint) = match h.tap {
+                Tap::Position(m) if h.motion => (row.d[m as usize], HeardAdjoint::Motion(m as usize, h.gain * v)),
+                Tap::Position(m) => (row.x[m as usize], HeardAdjoint::Place(m as usize, h.gain * v)),
+                Tap::ForceOn(m) => (forces.next().copied().unwrap_or(0.0), HeardAdjoint::Sum(m as usize, h.gain * v)),
+                Tap::ForceOf(t) => (forces.next().copied().unwrap_or(0.0), HeardAdjoint::Force(t as usize, h.gain * v)),
             };
             gains(h.at, v * raw);
-            to(owed);
+            to(adjoint);
             if let Some((k, _)) = h.high_pass.filter(|_| to_filter != 0.0) {
                 if let Some([before, y]) = row.passed.get(2 * k..).and_then(|p| p.first_chunk::<2>()) {
-                    to(Owed::HighPass(k, [to_filter * y, to_filter * (h.gain * raw - before)]));
+                    to(HeardAdjoint::HighPass(k, [to_filter * y, to_filter * (h.gain * raw - before)]));
                 }
             }
         }

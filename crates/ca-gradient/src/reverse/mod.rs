@@ -1,4 +1,4 @@
-//! Reverse: what a loss owes to all numbers of a scene and to all inputs at once, by one way back through its ticks.
+//! Reverse: the derivatives of a loss by all numbers of a scene and to all inputs at once, by one way back through its ticks.
 //!
 //! Decides against a tape, which would keep every operation of every tick. Between two ticks only places, motions and memory
 //! decide the future: the scene is played once, with a state kept every √n ticks; then, from the last stretch between two such to the
@@ -60,7 +60,7 @@ fn ports(scene: &Scene) -> Vec<usize> {
     (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
 }
 
-/// What a loss owes to what a scene is given.
+/// Adjoints of what a scene is given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
     /// derivatives of the loss by each parameter, per its unit
@@ -153,7 +153,7 @@ impl Reverse {
     }
 
     /// Back from coefficients that ports drive: at the end of a frame they are what the table says of the port as the frame begins, and on a
-    /// straight line to it within. Tells how much is owed to an input in a sample of a gesture.
+    /// straight line to it within. Tells the adjoint of an input in a sample of a gesture.
     fn drive(&self, tick: usize, given: &[f64], back: &mut Adjoint, mut to: impl FnMut(usize, usize, f64)) {
         let (l, inputs) = (&self.scene.layout, self.scene.inputs.len());
         let frame = l.frame as usize;
@@ -175,13 +175,13 @@ impl Reverse {
                 for (k, live) in d.places.iter().enumerate() {
                     let coef = self.scene.live.coefs[*live as usize] as usize;
                     let Ok(which) = self.parts.driven.binary_search(&coef) else { continue };
-                    let owed = part * back.driven[which];
+                    let adjoint = part * back.driven[which];
                     let [below, above] = [row * n + k, (row + 1) * n + k];
-                    back.owed[number(place.table[below])] += (1.0 - share) * owed;
-                    back.owed[number(place.table[above])] += share * owed;
+                    back.of_numbers[number(place.table[below])] += (1.0 - share) * adjoint;
+                    back.of_numbers[number(place.table[above])] += share * adjoint;
                     if at == inside {
                         let slope = (d.table[above] - d.table[below]) * step;
-                        to(if device { last } else { first }, input, slope * owed);
+                        to(if device { last } else { first }, input, slope * adjoint);
                     }
                 }
             }
@@ -222,7 +222,7 @@ impl Reverse {
         let (frames, given) = (kept.frames, &kept.given);
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
-        let owed = back.outputs.before_low_pass(cotangent);
+        let adjoint = back.outputs.before_low_pass(cotangent);
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];
         let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
@@ -235,17 +235,17 @@ impl Reverse {
             record.play(scene, &self.parts, s, given_here, ticks, |_, _| {});
             for i in (0..ticks).rev() {
                 let tick = first + i;
-                let owed = if scene.n_out == 0 { &[] } else { &owed[tick * outputs..][..outputs] };
-                back.back(tick, record.row(i), owed);
+                let adjoint = if scene.n_out == 0 { &[] } else { &adjoint[tick * outputs..][..outputs] };
+                back.back(tick, record.row(i), adjoint);
                 if back.is_full() || i == 0 {
                     back.sum(&record, i);
                 }
                 // a frame that the sound cuts short ends with its last sample
                 let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
                 if !self.parts.driven.is_empty() {
-                    self.drive(tick, given, &mut back, |sample, input, owed| {
+                    self.drive(tick, given, &mut back, |sample, input, adjoint| {
                         if let Some(k) = self.ports.iter().position(|i| *i == input) {
-                            by_inputs[at(sample, k)] += owed;
+                            by_inputs[at(sample, k)] += adjoint;
                         }
                     });
                 }
@@ -265,7 +265,8 @@ impl Reverse {
             Ok(())
         })?;
         let numbers = back.end();
-        let by = |d: &Vec<f64>| d.iter().zip(&numbers).filter(|(d, _)| **d != 0.0).map(|(d, owed)| d * owed).sum();
+        let by =
+            |d: &Vec<f64>| d.iter().zip(&numbers).filter(|(d, _)| **d != 0.0).map(|(d, adjoint)| d * adjoint).sum();
         Ok(Gradient { parameters: self.derivatives.iter().map(by).collect(), inputs: by_inputs })
     }
 }

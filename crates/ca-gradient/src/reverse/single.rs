@@ -1,26 +1,26 @@
 //! Single: links that are run alone, on the way back over a tick.
 
-use crate::parts::alone::{Alone, Owed, Port};
+use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
 use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State};
 
-/// Where what is owed goes.
-pub struct Way<'w> {
-    /// the state that plays backwards: its places are what is owed to forces, its forces what is owed to places
+/// Where adjoints go.
+pub struct Adjoints<'w> {
+    /// the state that plays backwards: its places are adjoints of forces, its forces adjoints of places
     pub a: &'w mut State,
-    /// what is owed to motions at this tick (slots)
+    /// adjoints of motions at this tick (slots)
     pub now: &'w mut [f64],
-    /// what is owed to the forces of links that are heard, by tap
+    /// adjoints of the forces of links that are heard, by tap
     pub taps: &'w mut [f64],
-    /// what is owed to memory and lengths
+    /// adjoints of memory and lengths
     pub mem: &'w mut [f64],
     pub lengths: &'w mut [f64],
-    /// what is owed to the numbers of the scene
-    pub owed: &'w mut [f64],
-    /// what is owed to coefficients that ports drive, as they are at this tick
+    /// adjoints of the numbers of the scene
+    pub of_numbers: &'w mut [f64],
+    /// adjoints of coefficients that ports drive, as they are at this tick
     pub driven: &'w mut [f64],
 }
 
@@ -31,9 +31,9 @@ pub struct Single {
     numbers: Vec<(usize, usize)>,
     /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](crate::parts::Parts::driven)
     driven: Vec<(usize, usize)>,
-    /// what it reads of which is asked what is owed to it, in each tick, and where lengths before are not kept
+    /// what it reads of which the adjoint is asked, in each tick, and where lengths before are not kept
     wanted: [Vec<usize>; 2],
-    /// what is owed to the forces on its ends, to its memory and to its own force, in passing
+    /// adjoints of the forces on its ends, to its memory and to its own force, in passing
     force: Vec<f64>,
     memory: Vec<f64>,
     taps: Vec<f64>,
@@ -75,17 +75,17 @@ impl Single {
     }
 
     /// Goes back over the link in one tick; `sums` are the forces on its ends before it, and how much it adds, where it goes by them.
-    pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, way: &mut Way) {
+    pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, adjoints: &mut Adjoints) {
         for (to, tap) in self.taps.iter_mut().zip(&self.link.taps) {
-            *to = tap.map_or(0.0, |t| std::mem::take(&mut way.taps[t]));
+            *to = tap.map_or(0.0, |t| std::mem::take(&mut adjoints.taps[t]));
         }
         if self.link.is_idle(row, sums) {
-            // what is owed to the sums stays, and the memory is written anew
-            self.link.mem.iter().for_each(|m| way.mem[*m] = 0.0);
+            // adjoints of the sums stays, and the memory is written anew
+            self.link.mem.iter().for_each(|m| adjoints.mem[*m] = 0.0);
             return;
         }
-        self.force.iter_mut().zip(&self.link.slots).for_each(|(to, slot)| *to = way.a.x[*slot]);
-        self.memory.iter_mut().zip(&self.link.mem).for_each(|(to, m)| *to = way.mem[*m]);
+        self.force.iter_mut().zip(&self.link.slots).for_each(|(to, slot)| *to = adjoints.a.x[*slot]);
+        self.memory.iter_mut().zip(&self.link.mem).for_each(|(to, m)| *to = adjoints.mem[*m]);
         self.link.read(row, sums);
         let Placed { alone, slots, mem, lengths: at_lengths, .. } = &mut self.link;
         let (at_d, at_f, at_mem, at_length) =
@@ -95,47 +95,47 @@ impl Single {
         }
         let (mut motions, mut lengths) = (false, [0.0; 2]);
         for (k, (_, at)) in alone.shape.ports.iter().zip(&*at_lengths).enumerate().filter(|(_, (p, _))| p.follows) {
-            lengths[k] = way.lengths[*at];
+            lengths[k] = adjoints.lengths[*at];
             motions |= row.lengths[*at] < 0.0;
         }
-        let owed = Owed { force: &self.force, tap: &self.taps, memory: &self.memory, lengths };
-        alone.owe(&owed, &self.wanted[usize::from(motions)]);
-        let (owed, sh) = (&alone.owed, &alone.shape);
+        let adjoint = LinkAdjoints { force: &self.force, tap: &self.taps, memory: &self.memory, lengths };
+        alone.pull_back(&adjoint, &self.wanted[usize::from(motions)]);
+        let (adjoint, sh) = (&alone.adjoint, &alone.shape);
         if sh.last {
             for (k, slot) in slots.iter().enumerate() {
-                way.a.f[*slot] += owed[k];
-                way.now[*slot] += owed[at_d + k];
-                way.a.x[*slot] = owed[at_f + k];
+                adjoints.a.f[*slot] += adjoint[k];
+                adjoints.now[*slot] += adjoint[at_d + k];
+                adjoints.a.x[*slot] = adjoint[at_f + k];
             }
         } else {
             for p in &sh.ports {
-                pull(p, slots, owed, motions || !p.follows, at_d, way);
+                pull(p, slots, adjoint, motions || !p.follows, at_d, adjoints);
             }
         }
-        mem.iter().zip(&owed[at_mem..]).for_each(|(m, by)| way.mem[*m] = *by);
+        mem.iter().zip(&adjoint[at_mem..]).for_each(|(m, by)| adjoints.mem[*m] = *by);
         for (k, (p, at)) in sh.ports.iter().zip(&*at_lengths).enumerate() {
             if p.follows {
-                way.lengths[*at] = if alone.given[at_length + k] < 0.0 { 0.0 } else { owed[at_length + k] };
+                adjoints.lengths[*at] = if alone.given[at_length + k] < 0.0 { 0.0 } else { adjoint[at_length + k] };
             }
         }
         for (k, at) in &self.numbers {
-            way.owed[*at] += owed[*k];
+            adjoints.of_numbers[*at] += adjoint[*k];
         }
         for (k, at) in &self.driven {
-            way.driven[*at] += owed[*k];
+            adjoints.driven[*at] += adjoint[*k];
         }
     }
 }
 
-/// What is owed to the second end of a port, and the opposite to the first.
-fn pull(p: &Port, slots: &[usize], owed: &[f64], motions: bool, at_d: usize, way: &mut Way) {
+/// Adjoints of the second end of a port, and the opposite to the first.
+fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, adjoints: &mut Adjoints) {
     for (first, second) in p.slots().zip(p.second()) {
         let (a, b) = (slots[first], slots[second]);
-        way.a.f[b] += owed[second];
-        way.a.f[a] -= owed[second];
+        adjoints.a.f[b] += adjoint[second];
+        adjoints.a.f[a] -= adjoint[second];
         if motions {
-            way.now[b] += owed[at_d + second];
-            way.now[a] -= owed[at_d + second];
+            adjoints.now[b] += adjoint[at_d + second];
+            adjoints.now[a] -= adjoint[at_d + second];
         }
     }
 }
@@ -183,7 +183,7 @@ impl Pairs {
     }
 
     /// Goes back over all pairs that touch.
-    pub fn back(&mut self, scene: &Scene, row: &Row, way: &mut Way) {
+    pub fn back(&mut self, scene: &Scene, row: &Row, adjoints: &mut Adjoints) {
         let (set, rest) = (&scene.layout.pair_sets[self.set], &scene.layout.rest);
         let three = |v: &[f64], m: u32| [v[m as usize], v[m as usize + 1], v[m as usize + 2]];
         let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
@@ -209,16 +209,16 @@ impl Pairs {
                 (alone.given[k], alone.given[at_d + k]) = (row.x[slot], row.d[slot]);
             }
             alone.given[at_reach..][..3].copy_from_slice(&reach);
-            let force = slots.map(|slot| way.a.x[slot]);
-            alone.owe(&Owed { force: &force, tap: &[], memory: &[], lengths: [0.0; 2] }, wanted);
-            pull(&alone.shape.ports[0], &slots, &alone.owed, true, at_d, way);
+            let force = slots.map(|slot| adjoints.a.x[slot]);
+            alone.pull_back(&LinkAdjoints { force: &force, tap: &[], memory: &[], lengths: [0.0; 2] }, wanted);
+            pull(&alone.shape.ports[0], &slots, &alone.adjoint, true, at_d, adjoints);
             for (k, at) in numbers {
-                way.owed[*at] += alone.owed[*k];
+                adjoints.of_numbers[*at] += alone.adjoint[*k];
             }
             if !rests.is_empty() {
                 for k in 0..3 {
-                    way.owed[rests[b + k]] += alone.owed[at_reach + k];
-                    way.owed[rests[a + k]] -= alone.owed[at_reach + k];
+                    adjoints.of_numbers[rests[b + k]] += alone.adjoint[at_reach + k];
+                    adjoints.of_numbers[rests[a + k]] -= alone.adjoint[at_reach + k];
                 }
             }
         });

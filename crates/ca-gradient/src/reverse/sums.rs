@@ -1,7 +1,7 @@
-//! Sums: what a loss owes to the numbers of linear links and of masses, summed over all ticks.
+//! Sums: the derivatives of a loss by the numbers of linear links and of masses, summed over all ticks.
 //!
-//! With φ what it owes to the force of a link, F = Σ c (α e + β w) makes it owe φ(α e + β w) to c: the sums of φe and of φw are
-//! all that is kept. A mass moves by d' = P d + Q x + C f, so that with ν, which is C times what the loss owes to d', the
+//! With φ the adjoint of the force of a link, F = Σ c (α e + β w) gives c the adjoint φ(α e + β w): the sums of φe and of φw are
+//! all that is kept. A mass moves by d' = P d + Q x + C f, so that with ν, which is C times the adjoint of d', the
 //! sums of νd, νx and νd' are. Decides to take some ticks together: eight links or masses at a time stay in registers while all of these ticks go by,
 //! since to read and write their sums in each takes longer than the tick itself. Only what some parameter changes is summed.
 
@@ -9,7 +9,7 @@ use crate::parts::rows::Rows;
 use pulp::Arch;
 use std::ops::Range;
 
-/// What is owed to the force of the links of a pass, and its products.
+/// Adjoints of the force of the links of a pass, and its products.
 pub struct Links {
     /// the links
     pub of: Rows,
@@ -95,8 +95,8 @@ impl Links {
     ) {
         let Some(e0) = lanes::<N>(e0, at) else { return };
         let [mut by_e, mut by_w] = [[0.0; N]; 2];
-        for [now, _, owed] in ticks.each() {
-            let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+        for [now, _, adjoint] in ticks.each() {
+            let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
             if E {
                 let (Some(xa), Some(xb)) = (lanes::<N>(now, a), lanes::<N>(now, b)) else { break };
                 for i in 0..N {
@@ -115,8 +115,8 @@ impl Links {
         put(to_w, at, by_w, but);
         if !self.alone.is_empty() {
             let mut alone = [0.0; N];
-            for [_, _, owed] in ticks.each() {
-                let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+            for [_, _, adjoint] in ticks.each() {
+                let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
                 for i in 0..N {
                     alone[i] += oa[i] - ob[i];
                 }
@@ -125,8 +125,8 @@ impl Links {
         }
         if !self.ahead.is_empty() {
             let mut ahead = [0.0; N];
-            for [_, next, owed] in ticks.each() {
-                let (Some(oa), Some(ob)) = (lanes::<N>(owed, a), lanes::<N>(owed, b)) else { break };
+            for [_, next, adjoint] in ticks.each() {
+                let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
                 let (Some(na), Some(nb)) = (lanes::<N>(next, ticks.d + a), lanes::<N>(next, ticks.d + b)) else {
                     break;
                 };
@@ -198,8 +198,8 @@ impl Masses {
     #[inline(always)]
     fn some<const N: usize>(&mut self, ticks: &Seen, at: usize, but: usize) {
         let [mut by_d, mut by_next] = [[0.0; N]; 2];
-        for [now, next, owed] in ticks.each() {
-            let Some(nu) = lanes::<N>(owed, at) else { break };
+        for [now, next, adjoint] in ticks.each() {
+            let Some(nu) = lanes::<N>(adjoint, at) else { break };
             let (Some(d), Some(next)) = (lanes::<N>(now, ticks.d + at), lanes::<N>(next, ticks.d + at)) else { break };
             for i in 0..N {
                 by_d[i] += nu[i] * d[i];
@@ -211,8 +211,8 @@ impl Masses {
         put(to_next, at, by_next, but);
         if !to_x.is_empty() {
             let mut by_x = [0.0; N];
-            for [now, _, owed] in ticks.each() {
-                let (Some(nu), Some(x)) = (lanes::<N>(owed, at), lanes::<N>(now, at)) else { break };
+            for [now, _, adjoint] in ticks.each() {
+                let (Some(nu), Some(x)) = (lanes::<N>(adjoint, at), lanes::<N>(now, at)) else { break };
                 for i in 0..N {
                     by_x[i] += nu[i] * x[i];
                 }
@@ -237,19 +237,19 @@ pub struct Seen<'a> {
     /// numbers of a tick in these, and where its motions stand
     pub width: usize,
     pub d: usize,
-    /// what is owed to the forces on slots (ticks)
-    pub owed: &'a [f64],
+    /// adjoints of the forces on slots (ticks)
+    pub adjoint: &'a [f64],
     /// numbers of a tick in these
     pub slots: usize,
 }
 
 impl<'a> Seen<'a> {
-    /// Each tick: its places and motions, those behind it, and what is owed.
+    /// Each tick: its places and motions, those behind it, and adjoints.
     #[inline(always)]
     fn each(&self) -> impl Iterator<Item = [&'a [f64]; 3]> + use<'a> {
         let rows = self.rows.chunks_exact(self.width);
         let behind = rows.clone().skip(1);
-        rows.zip(behind).zip(self.owed.chunks_exact(self.slots)).map(|((now, next), owed)| [now, next, owed])
+        rows.zip(behind).zip(self.adjoint.chunks_exact(self.slots)).map(|((now, next), adjoint)| [now, next, adjoint])
     }
 }
 

@@ -58,8 +58,8 @@ impl HeardLink {
         all
     }
 
-    /// Goes back over it in one tick, `phi` being owed to its force.
-    pub fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], owed: &mut [f64]) {
+    /// Goes back over it in one tick, `phi` being the adjoint of its force.
+    pub fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], adjoint: &mut [f64]) {
         let ([p, q], [by_e, by_w]) = (self.ends, self.slopes);
         let (e, w) = (row.x[q] - row.x[p] + self.e0.0, row.d[q] - row.d[p]);
         for (m, sign) in [(q, phi), (p, -phi)] {
@@ -67,8 +67,8 @@ impl HeardLink {
             now[m] += sign * by_w;
         }
         for (at, [of_e, of_w]) in &self.coefs {
-            owed[*at] += phi * (of_e * e + of_w * w);
+            adjoint[*at] += phi * (of_e * e + of_w * w);
         }
-        owed[self.e0.1] += phi * by_e;
+        adjoint[self.e0.1] += phi * by_e;
     }
 }

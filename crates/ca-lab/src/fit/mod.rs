@@ -28,7 +28,7 @@ mod work;
 
 pub use page::report;
 pub use vary::{Range, Varied};
-pub use verdict::{Doubt, Halt};
+pub use verdict::{Doubt, StopReason};
 
 use crate::Failure;
 use crate::load::{self, Loaded};
@@ -127,7 +127,7 @@ pub struct Fit {
     /// seconds that were fitted
     pub seconds: f64,
     /// why the search ended
-    pub halt: Halt,
+    pub halt: StopReason,
     /// whether so little is left that the sound may be one of this model
     pub explained: bool,
     /// distance before

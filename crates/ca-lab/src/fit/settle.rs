@@ -8,7 +8,7 @@ use super::loss::{Loss, STRETCHES};
 use super::normal::{Normal, dot};
 use super::player::Player;
 use super::search::{EXACT, Point, Rules, Slopes, Stop, descend, free_columns};
-use super::verdict::{Halt, Known};
+use super::verdict::{Known, StopReason};
 use super::work::Work;
 use crate::Failure;
 
@@ -36,19 +36,19 @@ impl Work<'_> {
         let spare = self.spare();
         loop {
             let look = self.look(player, loss, &point, slopes)?;
-            let ended = |halt: Halt| Known { deviations: look.deviations.clone(), halt };
+            let ended = |halt: StopReason| Known { deviations: look.deviations.clone(), halt };
             if look.settled {
-                return Ok((point, ended(Halt::Settled)));
+                return Ok((point, ended(StopReason::Settled)));
             }
             if player.left() <= spare {
-                return Ok((point, ended(Halt::Renders)));
+                return Ok((point, ended(StopReason::Renders)));
             }
             // what is not determined would go on for ever, and its steps are so long that those of the others are cut
             let still: Vec<bool> = look.deviations.iter().map(Option::is_none).collect();
             let rules = Rules { ends: &self.ends, still: &still, steps: STEPS, gains: GAINS, spare };
             let (next, stop) = descend(player, loss, point.clone(), slopes, &rules)?;
             if next.places == point.places {
-                let halt = if stop == Stop::Renders { Halt::Renders } else { Halt::Stuck };
+                let halt = if stop == Stop::Renders { StopReason::Renders } else { StopReason::Stuck };
                 return Ok((next, ended(halt)));
             }
             point = next;

@@ -7,7 +7,7 @@ use super::player::Player;
 use super::search::Point;
 use super::target::{Samples, Target};
 use super::verdict::Known;
-use super::verdict::{Doubt, Halt, explained};
+use super::verdict::{Doubt, StopReason, explained};
 use super::work::{Found, Work};
 use super::{Beyond, Distance, Fit, Fitted, Shown, Stage, sinusoids};
 use crate::Failure;
@@ -47,7 +47,7 @@ impl Work<'_> {
         let explained = explained(&is);
         let doubt = match (known.halt, explained) {
             (_, false) => Some(Doubt::Unexplained),
-            (Halt::Settled, true) => None,
+            (StopReason::Settled, true) => None,
             (_, true) => Some(Doubt::Unsettled),
         };
         let list = self.varied.iter().zip(&point.places).zip(&self.ends).zip(known.deviations);

@@ -1,6 +1,6 @@
 //! Numbers hidden in a sound are found again, and what cannot be found is said.
 
-use super::{Doubt, FitOptions, Halt, Range, Stage, fit};
+use super::{Doubt, FitOptions, Range, Stage, StopReason, fit};
 use crate::Failure;
 use crate::load::{self, Loaded};
 use ca_compile::Options;
@@ -199,7 +199,7 @@ hit = { between = ["hammer", "low[8]"], k = "20 kN/m" }
         let off: Vec<f64> = found.fitted.iter().zip(truth).map(|(f, t)| f.value / t - 1.0).collect();
         println!("{hear}: {off:?}, {} renders", found.renders);
         assert!((1200.0 * (1.0 + off[0]).log2()).abs() < 0.1 && off[1].abs() < 0.01 && off[2].abs() < 0.02, "{off:?}");
-        assert_eq!((found.stage, found.halt), (Stage::Samples, Halt::Settled), "{hear}");
+        assert_eq!((found.stage, found.halt), (Stage::Samples, StopReason::Settled), "{hear}");
         assert!(found.fitted.iter().all(|f| f.deviation.is_some()), "{:?}", found.fitted);
     }
 }
@@ -216,7 +216,7 @@ fn a_search_that_has_not_settled_says_so() {
         fit(&model(MINE, &[]), &recording, &mut ask).unwrap()
     };
     let found = with(10);
-    assert_eq!(found.halt, Halt::Renders);
+    assert_eq!(found.halt, StopReason::Renders);
     assert!(found.renders <= 10 && found.fitted.iter().all(|f| f.deviation.is_none()), "{:?}", found.fitted);
     assert!(found.fitted.iter().all(|f| f.doubt != Some(Doubt::Undetermined)), "{:?}", found.fitted);
     let said = found.warnings().join("\n");
@@ -224,7 +224,7 @@ fn a_search_that_has_not_settled_says_so() {
     let page = super::report(&found, "mine", "target.wav").html();
     assert!(page.contains("did not settle within") && !page.contains("±"));
     let found = with(60);
-    assert_eq!((found.halt, found.warnings().len()), (Halt::Settled, 0), "{:?}", found.warnings());
+    assert_eq!((found.halt, found.warnings().len()), (StopReason::Settled, 0), "{:?}", found.warnings());
     assert!(found.fitted.iter().all(|f| f.uncertainty().starts_with('±')), "{:?}", found.fitted);
 }
 

@@ -16,7 +16,7 @@ const ALIKE: f64 = -60.0;
 
 /// Why the search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Halt {
+pub enum StopReason {
     /// what a step would still change is less than the deviations
     Settled,
     /// no renders were left for another step
@@ -30,13 +30,13 @@ pub(super) struct Known {
     /// the standard deviations of places; `None` of what is not determined
     pub deviations: Vec<Option<f64>>,
     /// why it ended
-    pub halt: Halt,
+    pub halt: StopReason,
 }
 
 impl Known {
     /// Of so many numbers, where nothing could be looked at: not even whether the sound determines them.
     pub fn nothing(n: usize) -> Known {
-        Known { deviations: vec![Some(f64::INFINITY); n], halt: Halt::Renders }
+        Known { deviations: vec![Some(f64::INFINITY); n], halt: StopReason::Renders }
     }
 }
 
@@ -82,13 +82,13 @@ impl Fit {
             all.push(format!("{what}; vary other numbers, start nearer with `--set`, or change the model"));
         }
         match self.halt {
-            Halt::Settled => {}
-            Halt::Renders => {
+            StopReason::Settled => {}
+            StopReason::Renders => {
                 let what =
                     format!("the search did not settle within {} renders, so no deviations are given", self.renders);
                 all.push(format!("{what}; allow more with `--renders`, or start nearer with `--set`"));
             }
-            Halt::Stuck => {
+            StopReason::Stuck => {
                 let what = "the search stopped where no step came nearer and the values had not settled, so no deviations are given";
                 all.push(format!("{what}; start elsewhere with `--set`, or fit more of the sound with `--seconds`"));
             }

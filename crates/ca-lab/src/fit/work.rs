@@ -12,7 +12,7 @@ use super::player::Player;
 use super::search::{Point, Rules, Slopes, Stop, descend};
 use super::target::{self, Target};
 use super::vary::Varied;
-use super::verdict::{Halt, Known};
+use super::verdict::{Known, StopReason};
 use super::{BEYOND, FEW, Fit, modal, partials};
 use crate::Failure;
 
@@ -138,7 +138,7 @@ impl Work<'_> {
         let mut known = known.unwrap_or_else(|| Known::nothing(self.varied.len()));
         // samples were not followed as far as phases agree
         if found.cut {
-            known.halt = Halt::Renders;
+            known.halt = StopReason::Renders;
         }
         Ok((found, known))
     }

@@ -155,7 +155,7 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
         ("waves in", "no waveguides"),
         ("modal ports", "no modes"),
         ("implicit", "nothing that is implicit"),
-        ("weight", "no weight"),
+        ("weight", "no gravity"),
         ("outputs", "no outputs"),
         ("high pass", "no high pass"),
         ("low pass", "no low-pass"),

@@ -11,7 +11,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page, term};
 use ca_compile::Options;
 use ca_io::recording::Recording;
-use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Halt, Range, Stage, fit, report};
+use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, fit, report};
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
 use serde_json::{Value as Json, json};
@@ -149,7 +149,7 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
     json!({
         "name": loaded.name, "target": target, "renders": found.renders, "seconds": found.seconds,
         "parameters": numbers, "gain": found.gain, "delay_s": found.delay,
-        "settled": found.halt == Halt::Settled, "explained": found.explained, "nearer": found.is_nearer(),
+        "settled": found.halt == StopReason::Settled, "explained": found.explained, "nearer": found.is_nearer(),
         "stage": if found.stage == Stage::Samples { "samples" } else { "levels" }, "phase_s": found.phase,
         "before": distance(&found.before), "after": distance(&found.after),
         "beyond": found.beyond.as_ref().map(beyond),

@@ -15,7 +15,7 @@ pub use driven::Driven;
 pub use group::{Copied, Response, SlowGroup};
 pub use ledger::{Account, LedgerPlan, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
-pub use outputs::{Blocker, HeardLink, Output, OutputRow, Tap};
+pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::Vectors;
@@ -283,7 +283,7 @@ pub struct Layout {
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
     pub output_rows: Vec<OutputRow>,
     /// the high passes of the last of them (any)
-    pub blockers: Vec<Blocker>,
+    pub blockers: Vec<DcBlocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
     pub lowpass: Vec<Real>,
     /// what is solved in each tick, where implicit links are solved together

@@ -55,7 +55,7 @@ pub struct OutputRow {
 
 /// The high pass of an output, y ← r·y + g·(v − v′).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Blocker {
+pub struct DcBlocker {
     /// what stays of y each tick
     pub r: Real,
     /// gain

@@ -1,6 +1,6 @@
-//! End: what is owed to all numbers of a scene, behind the way back.
+//! End: adjoints of all numbers of a scene, behind the way back.
 //!
-//! The sums over all ticks, of what is owed to forces with places and motions, become what is owed to the numbers that multiply these
+//! The sums over all ticks, of adjoints of forces with places and motions, become adjoints of the numbers that multiply these
 //! (docs/numerics.md §9, eq. 3).
 
 use super::Adjoint;
@@ -8,26 +8,26 @@ use crate::parts::{Parts, number};
 use ca_core::Scene;
 
 impl Adjoint<'_> {
-    /// Ends before the first tick: what is owed to all numbers.
+    /// Ends before the first tick: adjoints of all numbers.
     pub fn end(mut self) -> Vec<f64> {
         let (scene, place) = (self.scene, self.place);
-        let (coef, owed, n) = (&place.initial.coef, &mut self.owed, scene.layout.n_mat);
+        let (coef, adjoint, n) = (&place.initial.coef, &mut self.of_numbers, scene.layout.n_mat);
         let own = &scene.initial.coef;
-        // ν is what is owed to the motion to come by this inertia
+        // ν is adjoints of the motion to come by this inertia
         let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
         for m in 0..n {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
             if c == 0.0 {
                 continue;
             }
-            owed[number(place.initial.d[m])] += by_d[m];
-            owed[number(place.initial.x[m])] += by_both[m] - by_d[m];
+            adjoint[number(place.initial.d[m])] += by_d[m];
+            adjoint[number(place.initial.x[m])] += by_both[m] - by_d[m];
             let [sp, sq, sc] = &self.masses.sums;
             let at = |sums: &[f64]| sums.get(m).copied().unwrap_or(0.0);
-            owed[number(coef[m])] += at(sp) / c;
-            owed[number(coef[n + m])] += at(sq) / c;
+            adjoint[number(coef[m])] += at(sp) / c;
+            adjoint[number(coef[n + m])] += at(sq) / c;
             if !sc.is_empty() {
-                owed[number(coef[2 * n + m])] += (at(sc) - p * at(sp) - q * at(sq)) / (c * c);
+                adjoint[number(coef[2 * n + m])] += (at(sc) - p * at(sp) - q * at(sq)) / (c * c);
             }
         }
         for l in self.listed.iter().chain(&self.rows) {
@@ -36,27 +36,27 @@ impl Adjoint<'_> {
                 if let Some(ahead) = l.ahead.get(i) {
                     let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
                     let more = ahead - by_w;
-                    owed[number(coef[k])] += by_e + own[theta] * more;
-                    owed[number(coef[z])] += by_w + 0.5 * more;
-                    owed[number(coef[theta])] += own[k] * more;
+                    adjoint[number(coef[k])] += by_e + own[theta] * more;
+                    adjoint[number(coef[z])] += by_w + 0.5 * more;
+                    adjoint[number(coef[theta])] += own[k] * more;
                     continue;
                 }
                 for (k, [e, w]) in l.of.basis.0.iter().enumerate() {
-                    owed[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
+                    adjoint[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
                 }
             }
             for (i, alone) in l.alone.iter().enumerate() {
                 let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
-                owed[number(place.layout.e0[l.of.first + i])] += slope * alone;
+                adjoint[number(place.layout.e0[l.of.first + i])] += slope * alone;
             }
         }
         for (v, by) in place.initial.mem.iter().zip(&self.mem) {
-            owed[number(*v)] += by;
+            adjoint[number(*v)] += by;
         }
         for (v, by) in place.initial.lengths.iter().zip(&self.lengths) {
-            owed[number(*v)] += by;
+            adjoint[number(*v)] += by;
         }
-        self.owed
+        self.of_numbers
     }
 }
 

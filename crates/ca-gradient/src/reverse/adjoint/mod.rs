@@ -1,14 +1,14 @@
 //! Adjoint: a scene backwards, one tick at a time.
 //!
-//! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z symmetric. What
-//! a loss owes to d', times C, is then moved by the same equation, from the last tick to the first, where f is what it
-//! owes to places. So the scene itself, without its constant forces, plays it: the same passes, the same layout, as fast. What links
-//! that are run alone owe to their ends goes into f as the forces of those links did. What is owed to a motion d = x − x₋ is
-//! owed to a place now, and the opposite to that of the tick before.
+//! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z symmetric. The
+//! adjoint of d', times C, is moved by the same equation, from the last tick to the first, where f has the adjoints
+//! of places. So the scene itself, without its constant forces, plays it: the same passes, the same layout, as fast. What links
+//! that are run alone give their ends goes into f as the forces of those links did. The adjoint of a motion d = x − x₋ is
+//! one of a place now, and the opposite to that of the tick before.
 //!
-//! In the state that plays, x is ν = C times what is owed to d', and d its change; where no force moves a slot both
-//! are 0. What is owed to the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
-//! ([`Parts::summed`]): there more is owed while links are run.
+//! In the state that plays, x is ν = C times the adjoint of d', and d its change; where no force moves a slot both
+//! are 0. The adjoint of the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
+//! ([`Parts::summed`]): there it grows while links are run.
 
 mod end;
 
@@ -16,8 +16,8 @@ use crate::parts::record::{Record, Row, whole_lines};
 use crate::parts::rows::Rows;
 use crate::parts::small::Small;
 use crate::parts::{Basis, Link, Parts, number, unknown};
-use crate::reverse::heard::{Outputs, Owed};
-use crate::reverse::single::{Pairs, Single, Way};
+use crate::reverse::heard::{HeardAdjoint, Outputs};
+use crate::reverse::single::{Adjoints, Pairs, Single};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
 use ca_core::numeric::Aligned;
@@ -42,37 +42,37 @@ pub struct Adjoint<'a> {
     sets: Vec<Pairs>,
     last: Vec<Single>,
     heard: Vec<HeardLink>,
-    /// what is owed to the forces of links that are heard, by tap
+    /// adjoints of the forces of links that are heard, by tap
     taps: Vec<f64>,
     /// sums of linear links, those that are listed and those of rows
     listed: Vec<Links>,
     rows: Vec<Links>,
     masses: Masses,
-    /// what was owed to forces in the ticks that are not summed yet, the latest of them first, and their number (any x slots)
+    /// adjoints of forces in the ticks that are not summed yet, the latest of them first, and their number (any x slots)
     nu: Aligned,
-    /// the same as listed links have it, where more is owed to these
+    /// the same as listed links have it, where adjoints of these grow
     more: Aligned,
     unsummed: usize,
-    /// what is owed to motions at this tick, and at the one after
+    /// adjoints of motions at this tick, and at the one after
     motion: [Vec<f64>; 2],
     /// slots where that may be
     moved: Vec<usize>,
-    /// what was owed to the sums of forces at the tick after, as [`Parts::summed`]
+    /// adjoints of the sums of forces at the tick after, as [`Parts::summed`]
     sums: Vec<f64>,
-    /// what the state has of these while more is owed
+    /// what the state has of these while they grow
     before: Vec<[f64; 2]>,
-    /// what is owed to memory and lengths
+    /// adjoints of memory and lengths
     mem: Vec<f64>,
     lengths: Vec<f64>,
-    /// at the first tick, what is owed to motions
+    /// at the first tick, adjoints of motions
     first: Vec<f64>,
     /// the number of each number of the scene
     place: &'a Scene,
-    /// what is owed to the numbers
-    pub owed: Vec<f64>,
-    /// what is owed to coefficients that ports drive, as they are at the tick at hand
+    /// adjoints of the numbers
+    pub of_numbers: Vec<f64>,
+    /// adjoints of coefficients that ports drive, as they are at the tick at hand
     pub driven: Vec<f64>,
-    /// what is owed to inputs at the tick at hand, to a device as if it were given in each
+    /// adjoints of inputs at the tick at hand, to a device as if it were given in each
     pub inputs: Vec<f64>,
 }
 
@@ -131,7 +131,7 @@ impl<'a> Adjoint<'a> {
             mem: vec![0.0; scene.initial.mem.len()],
             lengths: vec![0.0; scene.initial.lengths.len()],
             first: vec![0.0; n],
-            owed: vec![0.0; needed.len()],
+            of_numbers: vec![0.0; needed.len()],
             inputs: vec![0.0; scene.inputs.len()],
             driven: vec![0.0; parts.driven.len()],
             taps: vec![0.0; scene.layout.n_tap],
@@ -155,7 +155,7 @@ impl<'a> Adjoint<'a> {
         Ok(adjoint)
     }
 
-    /// Slots to whose motion something may be owed by itself.
+    /// Slots whose motion may have an adjoint of its own.
     fn motions(&self) -> Vec<usize> {
         let l = &self.scene.layout;
         let heard = l.outputs.iter().filter_map(|o| match o.tap {
@@ -185,17 +185,17 @@ impl<'a> Adjoint<'a> {
         for (all, links, masses) in [(more, &mut self.listed, None), (&self.nu, &mut self.rows, Some(&mut self.masses))]
         {
             // the last tick came first
-            let owed = all.get((TICKS - ticks) * n..).unwrap_or_default();
+            let adjoint = all.get((TICKS - ticks) * n..).unwrap_or_default();
             let (rows, width, d) = record.rows(k, ticks + 1);
-            let seen = Seen { rows, width, d, owed, slots: n.max(1) };
+            let seen = Seen { rows, width, d, adjoint, slots: n.max(1) };
             Ticks { links, masses: masses.filter(|m| !m.is_idle()), seen, e0 }.add();
         }
         self.unsummed = 0;
     }
 
-    /// Goes back over tick `tick`, which began with `row`, `owed` being what is owed to its samples (outputs).
-    pub fn back(&mut self, tick: usize, row: Row, owed: &[f64]) {
-        let (a, owed_to, place) = (&mut self.a, &mut self.owed, self.place);
+    /// Goes back over tick `tick`, which began with `row`, `adjoint` being that of its samples (outputs).
+    pub fn back(&mut self, tick: usize, row: Row, adjoint: &[f64]) {
+        let (a, of_numbers, place) = (&mut self.a, &mut self.of_numbers, self.place);
         let [now, late] = &mut self.motion;
         // what goes by modes, and what stands between others, is given the forces of these in parts
         if let Some([read, _]) = self.parts.modal {
@@ -204,54 +204,54 @@ impl<'a> Adjoint<'a> {
         }
         let points = &self.scene.layout.moving_points;
         let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
-        // more is owed to these below, and only then it is known what to a point
+        // these grow below, and only then that of a point is known
         cells().for_each(|(m, _)| a.x[m] = 0.0);
         // what is heard
         let (taps, summed) = (&mut self.taps, &self.parts.summed);
         self.before.clear();
         self.before.extend(summed.iter().map(|m| [a.x[*m], a.d[*m]]));
-        let gains = |at: usize, v: f64| owed_to[number(place.initial.coef[at])] += v;
+        let gains = |at: usize, v: f64| of_numbers[number(place.initial.coef[at])] += v;
         let (x, f, mut high_passes) = (&mut a.x, &mut a.f, Vec::new());
-        let to = |owed: Owed| match owed {
-            Owed::Place(m, v) => f[m] += v,
-            Owed::Motion(m, v) => now[m] += v,
-            Owed::Sum(m, v) => x[m] += v,
-            Owed::Force(t, v) => taps[t] += v,
-            Owed::HighPass(k, by) => high_passes.push((k, by)),
+        let to = |adjoint: HeardAdjoint| match adjoint {
+            HeardAdjoint::Place(m, v) => f[m] += v,
+            HeardAdjoint::Motion(m, v) => now[m] += v,
+            HeardAdjoint::Sum(m, v) => x[m] += v,
+            HeardAdjoint::Force(t, v) => taps[t] += v,
+            HeardAdjoint::HighPass(k, by) => high_passes.push((k, by)),
         };
-        self.outputs.back(tick, owed, &row, to, gains);
+        self.outputs.back(tick, adjoint, &row, to, gains);
         for (k, [r, g]) in high_passes {
-            owed_to[number(place.layout.blockers[k].r)] += r;
-            owed_to[number(place.layout.blockers[k].g)] += g;
+            of_numbers[number(place.layout.blockers[k].r)] += r;
+            of_numbers[number(place.layout.blockers[k].g)] += g;
         }
         self.driven.fill(0.0);
-        // links that go by the sums of forces, and what is owed to these by all others
-        let mut way = Way {
+        // links that go by the sums of forces, and adjoints of these by all others
+        let mut adjoints = Adjoints {
             a,
             now,
             taps,
             mem: &mut self.mem,
             lengths: &mut self.lengths,
-            owed: owed_to,
+            of_numbers,
             driven: &mut self.driven,
         };
         let mut sums = row.sums;
         for s in &mut self.last {
             let (own, others) = sums.split_at(s.slots().len() + 1);
-            s.back(&row, Some(own), &mut way);
+            s.back(&row, Some(own), &mut adjoints);
             sums = others;
         }
         for (later, m) in self.sums.iter_mut().zip(summed) {
-            way.a.d[*m] = way.a.x[*m] - *later;
-            *later = way.a.x[*m];
+            adjoints.a.d[*m] = adjoints.a.x[*m] - *later;
+            *later = adjoints.a.x[*m];
         }
         for (m, cell) in cells() {
-            let parts: f64 = parts_of(cell).map(|(node, weight)| weight * way.a.x[node]).sum();
-            way.a.x[m] += parts;
+            let parts: f64 = parts_of(cell).map(|(node, weight)| weight * adjoints.a.x[node]).sum();
+            adjoints.a.x[m] += parts;
         }
-        self.links.iter_mut().for_each(|s| s.back(&row, None, &mut way));
-        self.sets.iter_mut().for_each(|s| s.back(self.scene, &row, &mut way));
-        let Way { a, now, taps, owed: owed_to, .. } = way;
+        self.links.iter_mut().for_each(|s| s.back(&row, None, &mut adjoints));
+        self.sets.iter_mut().for_each(|s| s.back(self.scene, &row, &mut adjoints));
+        let Adjoints { a, now, taps, of_numbers, .. } = adjoints;
         for (m, cell) in cells() {
             for (node, weight) in parts_of(cell) {
                 let (force, motion) = (a.f[m], now[m]);
@@ -263,14 +263,14 @@ impl<'a> Adjoint<'a> {
         for h in &self.heard {
             let phi = std::mem::take(&mut taps[h.tap]);
             if phi != 0.0 {
-                h.back(&row, phi, a, now, owed_to);
+                h.back(&row, phi, a, now, of_numbers);
             }
         }
         // what does not hang together with anything
         for k in &self.parts.weights {
             let op = &self.scene.forces[*k];
             for (k, m) in self.scene.layout.weighed[..op.n].iter().enumerate() {
-                owed_to[number(place.initial.coef[op.coef + k])] += a.x[*m as usize];
+                of_numbers[number(place.initial.coef[op.coef + k])] += a.x[*m as usize];
             }
         }
         self.inputs.fill(0.0);
@@ -316,7 +316,7 @@ impl<'a> Adjoint<'a> {
                 let start = forced.as_ref().map_or(0.0, |b| b.f[m]);
                 for (k, share) in place.layout.shares[other.share as usize..][..n].iter().enumerate() {
                     let q = first + k;
-                    owed_to[number(*share)] += a.f[m] * row.x[q] + start * (row.d[q] - row.x[q]) + a.x[q] * force;
+                    of_numbers[number(*share)] += a.f[m] * row.x[q] + start * (row.d[q] - row.x[q]) + a.x[q] * force;
                 }
             }
             (op.kernel)(op, layout, a);
@@ -328,7 +328,7 @@ impl<'a> Adjoint<'a> {
         let to_port = |mat: u32| a.f[mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[mat as usize]);
         for (p, other) in self.scene.layout.enx.iter().zip(&place.layout.enx) {
             self.inputs[p.input as usize] += to_port(p.mat);
-            owed_to[number(other.rest)] -= to_port(p.mat);
+            of_numbers[number(other.rest)] -= to_port(p.mat);
         }
         for p in &self.scene.layout.tgr {
             self.inputs[p.input as usize] += to_port(p.mat);

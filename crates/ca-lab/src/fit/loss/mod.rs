@@ -1,4 +1,5 @@
-//! What is made small: how far what is heard of the model is from the recording.
+//! The loss of a fit: how far what is heard of the model is from the recording, by levels in bands ([`spectral`]) or sample by
+//! sample ([`wave`]).
 //!
 //! Decides that loudness and the moment of the onset are not of the instrument: a gain and a delay are unknowns of every
 //! comparison. Both cost no render, since what they do to a sound is known.
