@@ -3,10 +3,10 @@
 // went wrong and what a frame costs is counted in attributes of the root element, so that whoever tests the page sees it.
 
 import { Connection } from "./socket.js";
-import { Scene } from "./scene.js";
+import { Scene } from "./picture/scene.js";
 import { Motion } from "./motion.js";
-import { Camera } from "./camera.js";
-import { Picture } from "./gl.js";
+import { Camera } from "./picture/camera.js";
+import { Picture } from "./picture/gl.js";
 import { Pointer } from "./pointer.js";
 import { Sound } from "./sound.js";
 import { Meters } from "./meters.js";

@@ -4,7 +4,7 @@
 
 import { Slider, element } from "./controls.js";
 import { format, plain } from "./units.js";
-import { legend, kindColour } from "./colour.js";
+import { legend, kindColour } from "./picture/colour.js";
 
 const STAY = 140;
 

@@ -6,7 +6,14 @@
 use crate::asset;
 
 /// In the order in which they need each other.
-const MODULES: [&str; 6] = ["colour.js", "shaders.js", "scene.js", "camera.js", "gl.js", "film.js"];
+const MODULES: [&str; 6] = [
+    "picture/colour.js",
+    "picture/shaders.js",
+    "picture/scene.js",
+    "picture/camera.js",
+    "picture/gl.js",
+    "picture/film.js",
+];
 
 /// One script, to stand in a page with the elements that `film.js` names.
 pub fn script() -> String {
