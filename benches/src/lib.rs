@@ -1,4 +1,4 @@
-//! Scenes that the benches share.
+//! What the benches and the tests of their pages share: scenes, measurements, pages.
 // nobody but the benches calls these: what fails is a defect of the bench
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc)]
 

@@ -1,5 +1,5 @@
 //! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: what the numerical
-//! tests share. `CA_TOL=0 cargo test -p ca-tests -- --nocapture` prints every residual beside its tolerance.
+//! tests share. `CA_TOL=0 cargo test $ALL --test suite -- --nocapture` prints every residual beside its tolerance.
 
 use ca_compile::Compiled;
 use ca_compile::{KernelClass, Options, compile};

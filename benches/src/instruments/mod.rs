@@ -30,7 +30,7 @@
 //! `plays.rs` has what a measure may ask. A device plays each instrument with TGR in `crates/ca-cli/tests/loop/in_real_time/instruments.rs`, by
 //! [`Stroke::DEFAULT`] unless `stroke` says otherwise. Then
 //! `UPDATE=1 cargo bench -p ca-benches --bench instruments` writes the page, its pictures and its sounds;
-//! `UPDATE=1 cargo test -p ca-tests --test suite instruments` writes the figures alone.
+//! `UPDATE=1 cargo test $ALL --test suite -- instruments` writes the figures alone.
 
 mod bars;
 mod figures;

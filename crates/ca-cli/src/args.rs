@@ -1,5 +1,5 @@
 //! What can be typed. Every command says in one line what it is for, then in a paragraph how it thinks, then shows
-//! examples that run (a test extracts and runs them).
+//! examples that run (tests extract and run them, but for those of `bench`, which take minutes).
 
 use ca_core::kind::Unit;
 use ca_model::quantity;

@@ -2,7 +2,7 @@
 //!
 //! Decides what every command shares: exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded), where things are
 //! printed (results on stdout, everything about them on stderr), and that a reader who goes away is no failure. A command is
-//! one file of `commands/` with one function `run`, which gives back an [`outcome`].
+//! a file or folder of `commands/` whose `run` gives back an [`outcome`].
 #![forbid(unsafe_code)]
 
 mod args;

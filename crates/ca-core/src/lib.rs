@@ -11,7 +11,8 @@
 //!
 //! Where to go:
 //! - to play: [`Scene`], [`State`], [`tick()`]; what a compiled model is and what was proven of it, [`scene`]; parameters
-//!   that change meanwhile, [`live`]; a model in the hand, [`equivalence`];
+//!   that change meanwhile, [`live`]; a model in the hand, [`equivalence`]; a mass that is pulled without
+//!   a device, [`mod@pointer`];
 //! - to add a kind: a MAT, [`mat`]; a port, [`io`]; a law, [`phi`] over the functions of [`law`]; its record, the builder
 //!   of a generator and a parameter that is one of several words ([`choice!`]), [`kind`]; what sounds at a pitch,
 //!   [`tuning`]; all of them, [`Catalog`];
@@ -21,8 +22,9 @@
 //! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
 //! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
-//! A tick computes with [`numeric::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, which is these files under
-//! another name. Features: `std` (default) finds the widest instructions of the machine at run time.
+//! A tick computes with [`numeric::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, dual numbers in
+//! `ca-core-dual`, which are these files under other names. Features: `std` (default) finds the widest instructions of the
+//! machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
 // a number with its derivatives is as large as a cache line

@@ -6,6 +6,8 @@
 //! point at it. Meaning (units, references, ranges) is given by the compiler, a crate above this one: two readers of
 //! meaning would disagree one day.
 //!
+//! To read a text begin with `read`; what a model takes from other files is in [`part`].
+//!
 //! What is not here: a scene. `ca-compile` makes one of a [`Model`]; a program that plays models adds `cordis-anima`. To add a kind of
 //! module that is built of others, begin with [`generate`].
 

@@ -3,6 +3,8 @@
 //! Decides that this half hands over plain things (numbers, arrays, JSON of findings) and that classes with documents,
 //! units and pictures are written in Python, where their users read them. Arrays are moved or shared, never copied; every
 //! call that may be long lets other threads run, tells how far it is, and ends at Ctrl-C.
+//!
+//! What is not here: what people import. The classes are in `python/cordis_anima`, their guide is `README.md` of this crate.
 
 // the macros of pyo3 write what this crate may not
 #![deny(unsafe_code)]

@@ -1,4 +1,5 @@
-//! From a model to a scene: passes, what is the same by each of them, what is proven, and both sides of every limit.
+//! The compiler: passes, the certificate, both sides of every limit, modes, and the oracle, a plain loop beside the compiled
+//! scene.
 
 mod any_order;
 mod certificate;
@@ -6,6 +7,7 @@ mod chance;
 mod compile_fuzz;
 mod fused;
 mod halves;
+mod modes;
 mod oracle;
 mod sets;
 mod single;

@@ -1,7 +1,6 @@
-//! What generators draw: its modes, its pitch, its place in space.
+//! Generators: pitch, positions in space, closed forms; waveguides.
 
 mod generate_space;
-mod modes;
 mod ring;
 mod tuning;
 mod waveguide;

@@ -1,6 +1,7 @@
-//! What a hand does: gestures, ports that drive parameters, pointers, and the guard before it.
+//! The hand: gestures, ports, pointers, scales in the hand, the guard, the real-time loop.
 
 mod driven;
+mod equivalence;
 mod gestures;
 mod guard;
 mod live;

@@ -1,4 +1,4 @@
-//! What a model says: text in, text out, names, quantities, parts, and what is found in it.
+//! The language: reader and writer, names, quantities, selectors, parts, diagnostics.
 
 mod diagnostics;
 mod large;

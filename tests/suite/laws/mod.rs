@@ -1,7 +1,6 @@
-//! Each law by itself and against solutions from outside.
+//! Laws of interaction: conformance of each, closed forms, LPR.
 
 pub mod conformance;
-mod equivalence;
 mod lpr;
 mod pluck;
 pub mod references;

@@ -1,4 +1,5 @@
-//! Ways to go by: integrators, modes, and links that keep energy or only lose it.
+//! Integration methods: the explicit scheme, implicit, modal, PEFRL, discrete gradient and energy quadratisation (`stable`,
+//! `stable3d`), friction.
 
 mod friction;
 mod hertz;

@@ -2,7 +2,7 @@
 //! `docs/measured/hammer-piano.md`, made by a finger that is a list of positions, through the engine and the guard of a TGR:
 //! how a key feels, what is heard, and where the energy goes.
 //!
-//! `UPDATE=1 cargo test -p ca-tests hammer_piano` writes the page anew.
+//! `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` writes the page anew.
 
 use super::heard::{Heard, blows, by_hand, load, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms, t60};
@@ -174,7 +174,7 @@ fn milli(v: f64) -> String {
 fn page() -> (String, f64) {
     let mut out = String::from(
         "# How the hammer piano feels, and where the energy of the finger goes\n\n\
-         Made by `UPDATE=1 cargo test -p ca-tests hammer_piano`: do not edit.\n\n\
+         Made by `UPDATE=1 cargo test $ALL --test suite -- hammer_piano`: do not edit.\n\n\
          Key `key[0].key` (C4) of `models/hammer_piano.ca.toml`, through the engine and the guard of a TGR (`tgr12`, 3 kHz), by a\n\
          finger that follows a list of positions whatever it feels. The key rests at 0 and meets its bed at 9.2 mm; forces are\n\
          what the device is sent, positive against the finger.\n\n\
@@ -314,6 +314,6 @@ fn the_page_of_the_hammer_piano_holds() {
     let is = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         is == want,
-        "docs/measured/hammer-piano.md is stale; run `UPDATE=1 cargo test -p ca-tests hammer_piano`\n{want}"
+        "docs/measured/hammer-piano.md is stale; run `UPDATE=1 cargo test $ALL --test suite -- hammer_piano`\n{want}"
     );
 }

@@ -1,4 +1,4 @@
-//! What others wrote: their models, their programs, their files.
+//! Against others: MIMS models, mi.lib by Faust, independent readers of our files.
 
 mod files;
 mod imports;

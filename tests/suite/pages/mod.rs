@@ -1,4 +1,4 @@
-//! Pages that are measured: each says what its bench makes, and no more.
+//! Measured pages: each says what its bench makes, and no more.
 
 mod accuracy;
 mod atlas;

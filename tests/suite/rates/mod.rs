@@ -1,4 +1,4 @@
-//! Where rates meet: gesture and sound, oversampled and not, and what comes out.
+//! Rates: groups at the gesture rate and their border, oversampling, the output stage.
 
 mod border;
 mod compensated;

@@ -2,7 +2,7 @@
 //! every switch of a contact hit. Each case is rendered at five rates; the error must fall as the scheme promises
 //! (order 2, order 1 where the backward damper of CORDIS-ANIMA acts) and be at 48 kHz what the scheme should make:
 //! more or less than that is a bug. Those figures come from a second, bare implementation of the equations.
-//! `cargo test -p ca-tests reference -- --nocapture` prints the errors beside the ticks.
+//! `cargo test $ALL --test suite -- reference --nocapture` prints the errors beside the ticks.
 //!
 //! A blow is not smooth: where its switches fall between two ticks adds a part to the error that jumps from rate to
 //! rate, so that one blow alone shows any order between 1.5 and 2.5. The reference therefore has each blow seventeen

@@ -1,4 +1,4 @@
-//! What a state is: whose it is, taken and given back, changed while it plays, and played for long.
+//! The state of a scene: identity, snapshots, changed scenes while they play, long plays.
 
 mod identity;
 mod snapshot;

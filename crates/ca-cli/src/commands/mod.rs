@@ -1,4 +1,5 @@
-//! The commands, one file each; `border.rs` and `inputs.rs` hold words that several of them share.
+//! The commands, a file or folder each with `run`; `control.rs` has the five that speak to a running server. `border.rs` and
+//! `inputs.rs` hold words that several of them share.
 
 pub mod accuracy;
 pub mod bench;

@@ -147,14 +147,20 @@ fn what_is_set_is_told_from_what_is_written() {
     set("stiff=1.5 kN/m").is(0);
 }
 
+/// Commands whose examples run here.
+const RUN: [&str; 18] = [
+    "render", "check", "accuracy", "report", "equiv", "modes", "tune", "fit", "sweep", "list", "explain", "new",
+    "import", "play", "serve", "replay", "log", "shm",
+];
+/// Those that speak to a server (`session/serve.rs`) or are devices (`--test loop verbs`), and one whose examples measure this
+/// machine for minutes (`sound/bench.rs` runs it on less).
+const RUN_ELSEWHERE: [&str; 7] = ["set", "arm", "disarm", "status", "stop", "device", "bench"];
+
 #[cfg(unix)]
 #[test]
 fn examples_of_command_help_run() {
     let mut ran = 0;
-    for command in [
-        "render", "check", "accuracy", "report", "equiv", "modes", "tune", "fit", "sweep", "list", "explain", "new",
-        "import", "play", "serve", "replay", "log", "shm",
-    ] {
+    for command in RUN {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
             session::take::performer::tgr12(&desk.path("take.mcap"));
@@ -190,6 +196,7 @@ fn every_command_explains_itself() {
         list.lines().filter_map(|l| l.split_whitespace().next()).filter(|c| *c != "help").collect();
     assert!(commands.len() >= 20, "{commands:?}");
     for command in commands {
+        assert!(RUN.contains(&command) || RUN_ELSEWHERE.contains(&command), "nobody runs the examples of ca {command}");
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let about = help.split("Usage:").next().unwrap();
         let paragraphs = about.split("\n\n").filter(|p| !p.trim().is_empty()).count();

@@ -31,7 +31,7 @@ pub(crate) struct Source<'s> {
     /// of a part: where each of its pieces begins, and where that stands in the mended text
     pieces: Vec<(usize, usize)>,
     /// where a long text is cut, in the mended text
-    pub(crate) cuts: Vec<Cut>,
+    pub(super) cuts: Vec<Cut>,
 }
 
 impl<'s> Source<'s> {

@@ -1,4 +1,4 @@
-//! Documents say what is so: pages, the README, codes, the schema of an editor, and the words of all of them.
+//! Documents: the README and the pages of `docs/`, codes, the JSON Schema, words of the field.
 
 pub mod docs;
 mod explain;

@@ -1,12 +1,12 @@
-//! What is asked of a model before it plays: findings, numbers, pitch, accuracy, its scale in the hand, a fit.
+//! Commands about a model: check, list, new, import, modes, tune, equiv, accuracy, fit.
 
 mod accuracy;
 mod against;
 mod border;
+mod commands;
 mod equiv;
 mod fit;
 mod numbers;
-mod pages;
 mod pitch;
 mod ports;
 mod watch;

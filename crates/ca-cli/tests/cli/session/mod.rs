@@ -1,4 +1,4 @@
-//! What is played: servers, takes, shared memory.
+//! Sessions: serve, takes and their replay, shared memory.
 
 mod serve;
 mod shm;

@@ -1,4 +1,4 @@
-//! What comes out: renders, files, reports, sweeps, benches.
+//! Commands whose result is a sound, a page or a table: render, report, sweep, bench.
 
 mod bench;
 pub mod degraded;

@@ -1,5 +1,7 @@
-//! What is tested. Its name is how `tests/run` tells these tests from all others: they wait most of their time, and run
-//! while the others do.
+//! Devices and servers in real time: faults, limits, sound servers, conformance, instruments.
+//!
+//! `tests/run` tells these tests from all others by the name of this module: they wait most of their time, and run while the
+//! others do.
 
 mod conform;
 mod described;

@@ -120,7 +120,7 @@ fn milli(v: f64) -> String {
 fn page(all: &[Played]) -> String {
     let mut out = String::from(
         "# The hammer piano, played by a device\n\n\
-         Made by `UPDATE=1 cargo test -p ca-cli --test loop piano`: do not edit.\n\n\
+         Made by `UPDATE=1 cargo test $ALL --test loop -- piano`: do not edit.\n\n\
          `ca device sim --profile tgr12 --script strike` strikes the twelve keys of `ca serve hammer_piano` across shared\n\
          memory, five times each. Its hand is a finger that gives way (5 kN/m, 20 g) on keys of 200 g; its fastest moment is\n\
          the speed at the head of each column. Device and engine wait for each other, so the figures are the same every time,\n\
@@ -229,6 +229,6 @@ fn the_page_of_the_piano_played_by_a_device_holds() {
     let is = std::fs::read_to_string(path).unwrap_or_default();
     assert!(
         same(&is, &want),
-        "docs/measured/hammer-piano-played.md is stale; run `UPDATE=1 cargo test -p ca-cli --test loop piano`\n{want}"
+        "docs/measured/hammer-piano-played.md is stale; run `UPDATE=1 cargo test $ALL --test loop -- piano`\n{want}"
     );
 }

@@ -61,7 +61,7 @@ impl Jack {
 
     /// A process that writes what it hears to a file.
     fn listener(&self, stage: &Stage) -> Role {
-        Role::start(&stage.site, "in_real_time::audio::ears", &self.name, 0)
+        Role::start(&stage.site, "in_real_time::sound::audio::ears", &self.name, 0)
     }
 }
 
@@ -198,7 +198,7 @@ fn a_voice_plays_in_an_audio_host() {
     let stage = Stage::new();
     let Some(jack) = Jack::start(&stage, 256) else { return };
     let listener = jack.listener(&stage);
-    let voice = Role::start(&stage.site, "in_real_time::audio::voice", &jack.name, 0);
+    let voice = Role::start(&stage.site, "in_real_time::sound::audio::voice", &jack.name, 0);
     std::thread::sleep(Duration::from_secs(4));
     let heard = samples(&listener.end());
     voice.end();
@@ -298,7 +298,7 @@ fn midi_comes_by_jack() {
     let stage = Stage::new();
     stage.put("string.ca.toml", STRING);
     let Some(jack) = Jack::start(&stage, 256) else { return };
-    let hands = Role::start(&stage.site, "in_real_time::audio::hands", &jack.name, 0);
+    let hands = Role::start(&stage.site, "in_real_time::sound::audio::hands", &jack.name, 0);
     let args = ["serve", "string.ca.toml", "--audio", "jack", "--seconds", "3", "-o", "string.wav", "--json"];
     let played = jack.ca(&stage, &[&args[..], &["--log", "string.mcap"]].concat()).end();
     drop(hands.end());

@@ -16,7 +16,7 @@ fn check_tells_what_it_knows() {
         "ns/tick",
         "predicted",
         "measured here",
-        "no weight",
+        "no gravity",
         "run",
     ]);
     let place = |w: &str| r.out.find(w).unwrap_or_else(|| panic!("no {w}"));
