@@ -251,6 +251,14 @@ fn the_depth_of_a_contact_that_hardens() {
         let both = format!("{wall}softer = {{ between = [\"wall\", \"bob\"], k = {:?}, p = {p:?} }}\n", q / 2.0);
         assert_eq!(depth(&both).expect("they harden").0, "l");
     }
+    // a mass that a spring holds moves by its inverse stiffness too: 1 − a/4 of its mass
+    let held = "[CEL]\nbob = { m = \"1 g\", f = \"12 kHz\" }\n[SOL]\nwall = {}\n[SOX]\nout = { from = \"bob\" }\n[HRZ]\nl = { \
+                between = [\"wall\", \"bob\"], k = 3e6, p = 1.5 }\n";
+    let a = 2.0 - 2.0 * (2.0 * PI * 12e3 / 48e3).cos();
+    let of = depth(held).expect("it hardens").1;
+    assert!((of / at(1.5, 1e-3 * (1.0 - a / 4.0)) - 1.0).abs() < 1e-9, "{of} m");
+    // none that is a number, none that is said
+    assert_eq!(depth(&link("HRZ", "k = 1e-90, p = 1.25")), None);
     // straight ones have a number of their own, and what is stable at any depth has none
     assert_eq!(depth(&link("HRZ", "k = 3e6, p = 1")), None);
     assert_eq!(depth(&link("BUT", "k = 3e6")), None);

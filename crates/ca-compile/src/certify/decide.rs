@@ -57,5 +57,5 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
 /// A contact or a friction along a curve that holds something held elsewhere too.
 fn by_rule(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> bool {
     let held = || l.all_ends().flat_map(|e| net.under(e)).any(|m| sums.mats[m as usize].all > 0.0);
-    ((b.contact && b.k > 0.0) || rubs(b)) && l.sets.is_none() && !l.law.is_staged() && held()
+    ((b.contact && (b.k > 0.0 || b.power.0 > 0.0)) || rubs(b)) && l.sets.is_none() && !l.law.is_staged() && held()
 }

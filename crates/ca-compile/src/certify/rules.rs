@@ -14,8 +14,8 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
 /// Rules for contacts (docs/numerics.md §3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most; of one that grows with a power of
-/// its depth, the depth at which its slope is so. The mobility is that of both
-/// ends with the links that hold them (`held`), where that is known.
+/// its depth, the depth at which its slope is so. The mobility is that of both ends with the links that hold them (`held`),
+/// where that is known.
 pub fn contacts(
     model: &Model,
     net: &Pruned,
@@ -37,7 +37,7 @@ pub fn contacts(
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         if q * c > 0.0 {
             let depth = libm::pow(1.0 / (p * q * c), 1.0 / (p - 1.0));
-            if cert.depth.as_ref().is_none_or(|d| depth < d.1) {
+            if depth.is_finite() && cert.depth.as_ref().is_none_or(|d| depth < d.1) {
                 cert.depth = Some((l.name.to_string(), depth));
             }
             continue;

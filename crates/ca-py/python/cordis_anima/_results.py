@@ -72,7 +72,7 @@ class Certificate(NamedTuple):
     contact: float
     #: the contact it belongs to
     stiffest: str
-    #: of contacts by a power of their depth, the one whose kT²/m reaches 1 first, and the depth [m] at which it does
+    #: of contacts by a power of their depth, the one whose slope·T²/m reaches 1 first, and the depth [m] at which it does
     depth: tuple[str, float] | None
     #: steepest friction against the masses, slope·T/m; up to 1.5 is safe
     friction: float

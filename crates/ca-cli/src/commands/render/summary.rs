@@ -405,7 +405,8 @@ pub(crate) fn rippling(ripple: f64) -> String {
 
 /// Of contacts that grow with their depth, which is too steep first, and where.
 pub(crate) fn deepening((name, depth): &(String, f64)) -> String {
-    format!("`{name}` grows with its depth: kT²/m is 1 at {}", show(rounded(*depth, 3), Unit::METRE))
+    let depth = show(rounded(*depth, 3), Unit::METRE);
+    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}, deeper it may make energy")
 }
 
 /// What is proven, for programs.
