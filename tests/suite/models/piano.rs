@@ -174,7 +174,7 @@ fn milli(v: f64) -> String {
 fn page() -> (String, f64) {
     let mut out = String::from(
         "# How the hammer piano feels, and where the energy of the finger goes\n\n\
-         Made by `UPDATE=1 cargo test $ALL --test suite -- hammer_piano`: do not edit.\n\n\
+         Made by `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` ($ALL is in CONTRIBUTING.md): do not edit.\n\n\
          Key `key[0].key` (C4) of `models/hammer_piano.ca.toml`, through the engine and the guard of a TGR (`tgr12`, 3 kHz), by a\n\
          finger that follows a list of positions whatever it feels. The key rests at 0 and meets its bed at 9.2 mm; forces are\n\
          what the device is sent, positive against the finger.\n\n\

@@ -1,5 +1,5 @@
 //! The page while instruments play, wide and narrow, dark and light: the picture moves, nothing is in the console, nothing is
-//! wider than the window, and names of outputs are whole. `UPDATE=1 cargo test --workspace --test page pictures` writes
+//! wider than the window, and names of outputs are whole. `UPDATE=1 cargo test $ALL --test page -- pictures` writes
 //! `docs/pictures/`, which README.md and docs/play.md show.
 
 use crate::browser::Tab;

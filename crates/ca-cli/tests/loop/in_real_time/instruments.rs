@@ -1,7 +1,8 @@
 //! Every bundled instrument with ports of a device, played by `ca serve` and a simulated device across shared memory: it sounds, the
 //! hand feels a force, and nothing trips the guard. The hand follows the gesture that the model has built in.
 //!
-//! Device and engine wait for each other, so that a run is as fast as both compute; two run at once. What
+//! Device and engine wait for each other, so that a run is as fast as both compute; two run at once. Profiles are as shipped, but
+//! for a patience that no time of the clock decides ([`patient`]). What
 //! is asked of each stands in `benches/src/instruments`.
 
 use crate::long_form::long_form;
