@@ -16,7 +16,7 @@ struct Heard {
     motion: bool,
     /// its high pass, with its number
     high_pass: Option<(usize, DcBlocker)>,
-    /// adjoints of the high pass at the tick after
+    /// the adjoint of the high pass at the tick after
     kept: f64,
 }
 
@@ -29,7 +29,7 @@ pub struct Outputs {
     n_out: usize,
 }
 
-/// Adjoints of what is heard at a tick.
+/// An adjoint of something that is heard at a tick.
 pub enum HeardAdjoint {
     Place(usize, f64),
     Motion(usize, f64),
@@ -77,7 +77,7 @@ impl Outputs {
         all
     }
 
-    /// Goes one tick back: `adjoint` is that of its samples (outputs); tells of what is heard, and adds to `gains` by the index of each.
+    /// Goes one tick back: `adjoint` is that of its samples (outputs); tells the adjoints of what is heard, and adds to `gains` by the index of each.
     pub fn back(
         &mut self,
         tick: usize,

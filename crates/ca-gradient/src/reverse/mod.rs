@@ -1,4 +1,4 @@
-//! Reverse: the derivatives of a loss by all numbers of a scene and to all inputs at once, by one way back through its ticks.
+//! Reverse: the derivatives of a loss by all numbers of a scene and by all inputs at once, by one way back through its ticks.
 //!
 //! Decides against a tape, which would keep every operation of every tick. Between two ticks only places, motions and memory
 //! decide the future: the scene is played once, with a state kept every √n ticks; then, from the last stretch between two such to the
@@ -60,7 +60,7 @@ fn ports(scene: &Scene) -> Vec<usize> {
     (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
 }
 
-/// Adjoints of what a scene is given.
+/// The gradient of a loss, by parameters and by what ports are given.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
     /// derivatives of the loss by each parameter, per its unit

@@ -33,7 +33,7 @@ pub struct Single {
     driven: Vec<(usize, usize)>,
     /// what it reads of which the adjoint is asked, in each tick, and where lengths before are not kept
     wanted: [Vec<usize>; 2],
-    /// adjoints of the forces on its ends, to its memory and to its own force, in passing
+    /// adjoints of the forces on its ends, of its memory and of its own force, in passing
     force: Vec<f64>,
     memory: Vec<f64>,
     taps: Vec<f64>,
@@ -57,7 +57,7 @@ impl Single {
         let numbers: Vec<(usize, usize)> = changed.map(|(k, at)| (*k, number(*at))).collect();
         let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&link.coefs[k]).ok()?));
         let driven: Vec<(usize, usize)> = (0..sh.coefs).filter_map(of_port).collect();
-        // what is driven has its due through the port
+        // what is driven gets its adjoint through the port
         let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
         let known = || numbers.iter().chain(&driven).map(|n| n.0);
         let wanted = [false, true].map(|motions| sh.carried(motions).into_iter().chain(known()).collect());
@@ -80,7 +80,7 @@ impl Single {
             *to = tap.map_or(0.0, |t| std::mem::take(&mut adjoints.taps[t]));
         }
         if self.link.is_idle(row, sums) {
-            // adjoints of the sums stays, and the memory is written anew
+            // the adjoints of the sums stay, and the memory is written anew
             self.link.mem.iter().for_each(|m| adjoints.mem[*m] = 0.0);
             return;
         }
@@ -127,7 +127,7 @@ impl Single {
     }
 }
 
-/// Adjoints of the second end of a port, and the opposite to the first.
+/// Adds the adjoints of the second end of a port, and their opposites to the first.
 fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, adjoints: &mut Adjoints) {
     for (first, second) in p.slots().zip(p.second()) {
         let (a, b) = (slots[first], slots[second]);

@@ -9,11 +9,11 @@ use crate::parts::rows::Rows;
 use pulp::Arch;
 use std::ops::Range;
 
-/// Adjoints of the force of the links of a pass, and its products.
+/// Links of a pass, with sums of products of the adjoints of their forces.
 pub struct Links {
     /// the links
     pub of: Rows,
-    /// sums of φe and φw, each where a coefficient is to have its due
+    /// sums of φe and φw, each where some coefficient needs it
     pub products: [Vec<f64>; 2],
     /// of implicit links, sums of φ with the change of elongation in the tick that follows
     pub ahead: Vec<f64>,
@@ -159,7 +159,7 @@ fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N], but: usize) {
     }
 }
 
-/// Sums of masses: νd, νx and νd', each where a coefficient is to have its due.
+/// Sums of masses: νd, νx and νd', each where some coefficient needs it.
 pub struct Masses {
     pub sums: [Vec<f64>; 3],
 }

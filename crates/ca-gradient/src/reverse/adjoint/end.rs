@@ -1,6 +1,6 @@
 //! End: adjoints of all numbers of a scene, behind the way back.
 //!
-//! The sums over all ticks, of adjoints of forces with places and motions, become adjoints of the numbers that multiply these
+//! The sums over all ticks of adjoints of forces times places and motions become adjoints of the numbers that multiply these
 //! (docs/numerics.md §9, eq. 3).
 
 use super::Adjoint;
@@ -13,7 +13,7 @@ impl Adjoint<'_> {
         let (scene, place) = (self.scene, self.place);
         let (coef, adjoint, n) = (&place.initial.coef, &mut self.of_numbers, scene.layout.n_mat);
         let own = &scene.initial.coef;
-        // ν is adjoints of the motion to come by this inertia
+        // the adjoint of the motion to come is ν times this inertia
         let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
         for m in 0..n {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);

@@ -3,8 +3,8 @@
 //! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z symmetric. The
 //! adjoint of d', times C, is moved by the same equation, from the last tick to the first, where f has the adjoints
 //! of places. So the scene itself, without its constant forces, plays it: the same passes, the same layout, as fast. What links
-//! that are run alone give their ends goes into f as the forces of those links did. The adjoint of a motion d = x − x₋ is
-//! one of a place now, and the opposite to that of the tick before.
+//! that are run alone give their ends goes into f as the forces of those links did. An adjoint of a motion d = x − x₋ is
+//! one of the place now, and its opposite one of the place before.
 //!
 //! In the state that plays, x is ν = C times the adjoint of d', and d its change; where no force moves a slot both
 //! are 0. The adjoint of the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
@@ -50,12 +50,12 @@ pub struct Adjoint<'a> {
     masses: Masses,
     /// adjoints of forces in the ticks that are not summed yet, the latest of them first, and their number (any x slots)
     nu: Aligned,
-    /// the same as listed links have it, where adjoints of these grow
+    /// the same as listed links have it, where the adjoints of sums of forces grow meanwhile
     more: Aligned,
     unsummed: usize,
     /// adjoints of motions at this tick, and at the one after
     motion: [Vec<f64>; 2],
-    /// slots where that may be
+    /// slots that may have such
     moved: Vec<usize>,
     /// adjoints of the sums of forces at the tick after, as [`Parts::summed`]
     sums: Vec<f64>,
@@ -72,7 +72,7 @@ pub struct Adjoint<'a> {
     pub of_numbers: Vec<f64>,
     /// adjoints of coefficients that ports drive, as they are at the tick at hand
     pub driven: Vec<f64>,
-    /// adjoints of inputs at the tick at hand, to a device as if it were given in each
+    /// adjoints of inputs at the tick at hand, of a device as if it were given in each
     pub inputs: Vec<f64>,
 }
 
@@ -225,7 +225,7 @@ impl<'a> Adjoint<'a> {
             of_numbers[number(place.layout.blockers[k].g)] += g;
         }
         self.driven.fill(0.0);
-        // links that go by the sums of forces, and adjoints of these by all others
+        // first links that go by sums of forces: they add to the adjoints of these sums, which all others read
         let mut adjoints = Adjoints {
             a,
             now,
