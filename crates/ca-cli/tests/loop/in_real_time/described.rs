@@ -25,6 +25,7 @@ out = { from = "key" }
 /// A device of our own client that is where it is told to be, and remembers the forces it was given.
 struct TestDevice {
     stop: Arc<AtomicBool>,
+    /// there, or back
     goes: Arc<AtomicBool>,
     /// largest force so far, and that now \[uN\]
     forces: Arc<[AtomicU64; 2]>,
@@ -52,9 +53,8 @@ impl TestDevice {
             let (mut frame, mut way) = (DeviceFrame::new("finger", n), 0.0);
             let (start, mut due) = (Instant::now(), Instant::now());
             while !end.load(Relaxed) {
-                if go.load(Relaxed) {
-                    way = (way + 1e-3 / TIME).min(1.0);
-                }
+                let step = if go.load(Relaxed) { 1e-3 } else { -1e-3 };
+                way = (way + step / TIME).clamp(0.0, 1.0);
                 // a hand that begins and ends at rest
                 frame.pos[0] = DEPTH * way * way * (3.0 - 2.0 * way);
                 frame.t_device_ns = start.elapsed().as_nanos() as u64;
@@ -103,10 +103,13 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
         let mut finger = (!server_first).then(|| TestDevice::new(&stage.site, 1, 1));
         let server = stage.serve("finger.ca.toml", &["--json", "--log", "take.mcap"]);
         let finger = finger.get_or_insert_with(|| TestDevice::new(&stage.site, 1, 1));
-        stage.on();
-        finger.goes.store(true, Relaxed);
         until("it is held", || {
-            stage.on();
+            if stage.state().0 != "on" {
+                // forces that a stall took away wait for a hand that presses nothing
+                finger.goes.store(false, Relaxed);
+                stage.on();
+            }
+            finger.goes.store(true, Relaxed);
             (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
         });
         let most = finger.forces()[0];
@@ -134,10 +137,12 @@ fn three_axes_of_a_device_without_a_profile_are_one_force() {
     stage.put("stylus.ca.toml", &model);
     let _server = stage.serve("stylus.ca.toml", &["--quiet"]);
     let finger = TestDevice::new(&stage.site, 3, 3);
-    stage.on();
-    stage.ca(&["set", "k=4 N/m"]).is(0);
     until("all it gives", || {
-        stage.on();
+        if stage.state().0 != "on" {
+            stage.ca(&["set", "k=0 N/m"]).is(0);
+            stage.on();
+            stage.ca(&["set", "k=4 N/m"]).is(0);
+        }
         finger.forces()[1] > 1.99
     });
     assert!(finger.forces()[0] <= 2.0 + 1e-6, "{} N of a vector", finger.forces()[0]);
