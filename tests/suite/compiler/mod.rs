@@ -5,6 +5,7 @@ mod any_order;
 mod certificate;
 mod chance;
 mod compile_fuzz;
+mod depth;
 mod fused;
 mod halves;
 mod modes;

@@ -230,41 +230,6 @@ fn a_contact_that_presses_at_load_is_reported_from_its_threshold_on() {
     assert!(found(&text(0.1 - 1e-9)).contains("W102"));
 }
 
-/// Of contacts by a power of their depth the certificate has the one that reaches kT²/m = 1 first, and where: closed forms
-/// for a gram before a wall, and for two that meet.
-#[test]
-fn the_depth_of_a_contact_that_hardens() {
-    let depth = |text: &str| {
-        let (model, _) = read::read(text, "test.ca.toml", &catalog());
-        compile(&model, &catalog(), &Options::default()).expect(text).scene.certificate.depth
-    };
-    let (q, t) = (3e6, 1.0 / 48e3);
-    let at = |p: f64, m: f64| (m / (p * q * t * t)).powf(1.0 / (p - 1.0));
-    for p in [1.25, 1.5, 2.0, 3.0] {
-        let wall = link("HRZ", &format!("k = {q:?}, p = {p:?}"));
-        let (name, of) = depth(&wall).expect("it hardens");
-        assert!(name == "l" && (of / at(p, 1e-3) - 1.0).abs() < 1e-9, "{p}: {of} m, not {} m", at(p, 1e-3));
-        let two = wall.replace("wall = {}", "floor = {}").replace("[MAS]\n", "[MAS]\nwall = { m = \"1 g\" }\n");
-        let (_, of) = depth(&two).expect("it hardens");
-        assert!((of / at(p, 0.5e-3) - 1.0).abs() < 1e-9, "{p}: {of} m, not {} m", at(p, 0.5e-3));
-        // the one that is steep first
-        let both = format!("{wall}softer = {{ between = [\"wall\", \"bob\"], k = {:?}, p = {p:?} }}\n", q / 2.0);
-        assert_eq!(depth(&both).expect("they harden").0, "l");
-    }
-    // a mass that a spring holds moves by its inverse stiffness too: 1 − a/4 of its mass
-    let held = "[CEL]\nbob = { m = \"1 g\", f = \"12 kHz\" }\n[SOL]\nwall = {}\n[SOX]\nout = { from = \"bob\" }\n[HRZ]\nl = { \
-                between = [\"wall\", \"bob\"], k = 3e6, p = 1.5 }\n";
-    let a = 2.0 - 2.0 * (2.0 * PI * 12e3 / 48e3).cos();
-    let of = depth(held).expect("it hardens").1;
-    assert!((of / at(1.5, 1e-3 * (1.0 - a / 4.0)) - 1.0).abs() < 1e-9, "{of} m");
-    // none that is a number, none that is said
-    assert_eq!(depth(&link("HRZ", "k = 1e-90, p = 1.25")), None);
-    // straight ones have a number of their own, and what is stable at any depth has none
-    assert_eq!(depth(&link("HRZ", "k = 3e6, p = 1")), None);
-    assert_eq!(depth(&link("BUT", "k = 3e6")), None);
-    assert_eq!(depth(&link("HRZ", "k = 3e6, method = \"stable\"")), None);
-}
-
 /// The advice of W104: viscosity between 0.12 a and 1.9 − a, where there is room between them.
 #[test]
 fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {

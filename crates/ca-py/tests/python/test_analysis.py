@@ -49,6 +49,12 @@ def test_certificates_are_records() -> None:
     assert exact.largest is not None
     low, high = exact.largest
     assert low <= high < 4 and high / low < 1 + 1e-6
+    # a contact by a power law: p q depth^(p - 1) T²/m = 1
+    ball = ca.Model("A ball").add("SOL", "wall").add("MAS", "ball", m="1 g").add("SOX", "out", from_="ball")
+    ball.add("HRZ", "hit", between=["wall", "ball"], k=3e6, p=1.5)
+    depth = ball.compile().certificate.depth
+    assert c.depth is None and depth is not None
+    assert depth[0] == "hit" and depth[1] == pytest.approx((1e-3 * 48000**2 / (1.5 * 3e6)) ** 2)
 
 
 def test_error_against_run_time() -> None:

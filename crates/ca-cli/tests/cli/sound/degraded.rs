@@ -157,5 +157,8 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     };
     let ratio = hard("strike.k=1e30") / hard("strike.k=4e12");
     assert!((ratio / (4e12_f64 / 1e30).sqrt() - 1.0).abs() < 1e-9, "{ratio}");
-    desk.ca(&["check", "hammered_string"]).says(&["`strike` grows with its depth: slope·T²/m is 1 at "]);
+    let words = "grows with its depth: slope·T²/m is 1 at ";
+    desk.ca(&["check", "hammered_string"]).says(&["`strike` ", words]);
+    desk.ca(&["report", "hammered_string", "-o", "string.html"]).is(0);
+    assert!(std::fs::read_to_string(desk.path("string.html")).unwrap().contains(words));
 }
