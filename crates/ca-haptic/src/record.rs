@@ -62,6 +62,13 @@ pub enum Record {
         /// the one that faded out when it came
         gone: Option<Box<Swap>>,
     },
+    /// an [`EngineCommand::Mark`](crate::engine::EngineCommand::Mark) was executed: all earlier commands have their records before it
+    Marked {
+        /// when
+        tick: u64,
+        /// [`ca_core::State::bits`]
+        bits: u64,
+    },
     /// a hash of the state, once a second
     Hash {
         /// when
@@ -104,6 +111,7 @@ impl Record {
             | Record::Order { tick, .. }
             | Record::Touched { tick, .. }
             | Record::Swapped { tick, .. }
+            | Record::Marked { tick, .. }
             | Record::Hash { tick, .. }
             | Record::Energy { tick, .. }
             | Record::Waiting { tick, .. }

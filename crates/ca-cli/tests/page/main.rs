@@ -221,6 +221,11 @@ mod in_real_time {
     }
 
     #[test]
+    fn a_take_lasts_until_it_is_saved() {
+        moments::a_take_lasts_until_it_is_saved();
+    }
+
+    #[test]
     fn two_play_side_by_side() {
         moments::two_play_side_by_side();
     }

@@ -75,6 +75,31 @@ pub fn a_wrong_change_takes_no_good_one_along() {
     host.ended();
 }
 
+/// A take lasts until it is saved, and has what was done just before, also within the first second.
+pub fn a_take_lasts_until_it_is_saved() {
+    let mut host = Host::play(BIRD, &[]);
+    let mut page = host.page();
+    let mut played = 0.0;
+    until("it plays", || {
+        played = page.next("state")["seconds"].as_f64().unwrap();
+        played > 0.0
+    });
+    page.done(&json!({"type": "set", "values": {"z": 0.25}}));
+    page.done(&json!({"type": "save"}));
+    until("it is saved", || page.next("said")["text"].as_str().unwrap().contains("saved"));
+    // one that is asked for last is saved by the end of the program
+    page.done(&json!({"type": "save"}));
+    page.done(&json!({"type": "stop"}));
+    host.ended();
+    for take in ["model-1.mcap", "model-2.mcap"] {
+        let replayed = host.ca(&["replay", take, "--verify", "--json"]);
+        let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap();
+        assert_eq!(verdict["identical"], true, "{take}: {replayed}");
+        assert!(verdict["seconds"].as_f64().unwrap() >= played, "{take} lasts {played} s at least: {replayed}");
+    }
+    host.ca(&["log", "export", "model-1.mcap", "model", "-o", "played.ca.toml"]);
+}
+
 /// Two of them play side by side, though the control is of one; takes that are saved at once have each a name, or are refused.
 pub fn two_play_side_by_side() {
     let mut host = Host::play(BIRD, &[]);

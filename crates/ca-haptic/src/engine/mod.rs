@@ -55,6 +55,8 @@ pub enum EngineCommand {
     Touch(Touch),
     /// another version of the scene, made outside, since that allocates
     Swap(Box<Swap>),
+    /// changes nothing; the record of it has the hash of the state
+    Mark,
 }
 
 /// What an act leaves behind, to be freed elsewhere.
@@ -242,6 +244,7 @@ impl Engine {
                 }
                 return self.before.replace(swap).map(Retired::Swap);
             }
+            EngineCommand::Mark => {}
         }
         None
     }

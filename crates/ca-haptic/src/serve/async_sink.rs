@@ -335,6 +335,7 @@ impl Sink for SinkHandle {
                 | Record::Order { .. }
                 | Record::Touched { .. }
                 | Record::Swapped { .. }
+                | Record::Marked { .. }
                 | Record::Lost { .. }
         );
         if !decides && !self.has_room(tick, 0, 1) {

@@ -248,6 +248,7 @@ impl Live {
                 self.keep(Record::Order { tick, port, order });
             }
             let number = if let EngineCommand::Swap(swap) = &act { Some(swap.number) } else { None };
+            let marks = matches!(act, EngineCommand::Mark);
             let touched = if let EngineCommand::Touch(touch) = &act { Some(touch.touched()) } else { None };
             match (self.engine.command(act), touched) {
                 (Some(Retired::Swap(gone)), _) => {
@@ -261,6 +262,7 @@ impl Live {
                 }
                 (_, Some(touched)) => self.keep(Record::Touched { tick, touched, gone: None }),
                 (Some(retired), None) => self.keep(Record::Retired { tick, retired }),
+                (None, None) if marks => self.keep(Record::Marked { tick, bits: self.engine.state.bits() }),
                 (None, None) => {}
             }
         }

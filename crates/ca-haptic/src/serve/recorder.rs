@@ -253,7 +253,7 @@ impl Recorder {
 
     fn command(&mut self, act: EngineCommand) -> Result<(), String> {
         // what is made for a scene is not for the one after it
-        if self.is_swapping() && !matches!(act, EngineCommand::Order(..)) {
+        if self.is_swapping() && !matches!(act, EngineCommand::Order(..) | EngineCommand::Mark) {
             return Err("another version of the model is on its way; try again".into());
         }
         let disarms = self.shared.disarms.load(Relaxed);
@@ -279,6 +279,14 @@ impl Recorder {
         self.command(EngineCommand::Set(Box::new(change)))?;
         self.controls = controls;
         Ok(())
+    }
+
+    /// Asks for a [`Record::Marked`], which comes after the records of everything that was asked before.
+    ///
+    /// # Errors
+    /// In words, where the engine takes no command.
+    pub fn mark(&mut self) -> Result<(), String> {
+        self.command(EngineCommand::Mark)
     }
 
     /// The live parameters with their present values.

@@ -209,7 +209,7 @@ impl TakeWriter {
             Record::Waiting { .. }
             | Record::Swapped { .. }
             | Record::Retired { retired: Retired::Gesture(_) | Retired::Swap(_), .. } => Ok(()),
-            Record::Hash { tick, bits } => {
+            Record::Marked { tick, bits } | Record::Hash { tick, bits } => {
                 self.tick = tick;
                 cdr::body(&mut self.data, &Hashed { tick, bits });
                 self.put(self.ids.hash, tick)

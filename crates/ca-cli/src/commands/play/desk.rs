@@ -165,7 +165,7 @@ impl Desk {
                 done(if request["name"].is_string() { "move a controller" } else { "no controller is bound" })
             }
             "record" => done(&self.keep.record(request["on"] == true, &self.scene)?),
-            "save" => done(&self.keep.save()?),
+            "save" => done(&self.keep.save(recorder)?),
             "set" => {
                 let values = serde_json::from_value(request["values"].clone())
                     .map_err(|_| "`values` are names with numbers, or texts with units".to_string())?;

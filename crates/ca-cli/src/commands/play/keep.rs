@@ -10,27 +10,48 @@ use ca_core::Scene;
 use ca_haptic::record::Record;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{AsyncSink, BufferLimits, Recorder, Sink, SinkHandle, SinkStreams};
-use ca_haptic::take::{Header, TakeWriter, recover};
+use ca_haptic::take::{Header, Recovered, TakeWriter, recover};
 use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut, Written};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 /// Names that are tried.
 const TRIES: u32 = 10_000;
 
-/// What was done so far.
+/// A take under way in the folder for temporary files, from which takes are saved.
 pub(crate) struct Kept {
-    writer: Arc<Mutex<TakeWriter>>,
     path: PathBuf,
-    _sink: AsyncSink<KeptSink>,
+    saving: Saving,
+    sink: Option<AsyncSink<KeptSink>>,
 }
 
-/// Its sink.
-pub(crate) struct KeptSink(Arc<Mutex<TakeWriter>>);
+/// The take that is to be saved with the next mark of the engine.
+type Saving = Arc<Mutex<Option<Save>>>;
+
+struct Save {
+    to: PathBuf,
+    tell: Sender<Result<String, String>>,
+}
+
+/// Writes the take, and saves a copy of it at a mark: every record from before the mark is written by then.
+pub(crate) struct KeptSink {
+    writer: TakeWriter,
+    path: PathBuf,
+    saving: Saving,
+}
+
+impl KeptSink {
+    fn save(&mut self) {
+        let Some(Save { to, tell }) = self.saving.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        let saved = self.writer.flush().and_then(|()| recover(&self.path, &to));
+        let said = |s: Recovered| format!("saved {:.1} s as {}; `ca replay` plays it again", s.seconds, to.display());
+        let _ = tell.send(saved.map(said).map_err(|e| e.to_string()));
+    }
+}
 
 impl Sink for KeptSink {
     fn streams(&self) -> SinkStreams {
@@ -38,11 +59,15 @@ impl Sink for KeptSink {
     }
 
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).record(record)
+        self.writer.record(record)?;
+        if matches!(record, Record::Marked { .. }) {
+            self.save();
+        }
+        Ok(())
     }
 
     fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).swapped(tick, version)
+        self.writer.swapped(tick, version)
     }
 }
 
@@ -53,18 +78,23 @@ impl Kept {
     /// Where nothing can be written for the time being.
     pub(crate) fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
         let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
-        let writer = Arc::new(Mutex::new(TakeWriter::create(&path, header, scene)?));
+        let writer = TakeWriter::create(&path, header, scene)?;
         // others of this machine share the folder
         #[cfg(unix)]
         let _ = std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o600));
-        let sink = KeptSink(writer.clone());
+        let saving = Saving::default();
+        let sink = KeptSink { writer, path: path.clone(), saving: saving.clone() };
         let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
-        Ok((Kept { writer, path, _sink: sink }, line))
+        Ok((Kept { path, saving, sink: Some(sink) }, line))
     }
 }
 
 impl Drop for Kept {
+    /// A take whose mark the engine did not come to is saved with what there is.
     fn drop(&mut self) {
+        if let Some(Ok(Some(mut sink))) = self.sink.take().map(AsyncSink::end) {
+            sink.save();
+        }
         let _ = std::fs::remove_file(&self.path);
     }
 }
@@ -202,22 +232,20 @@ impl Keep {
     }
 
     /// All that was done so far, as a take.
-    pub(super) fn save(&mut self) -> Result<String, String> {
+    pub(super) fn save(&mut self, recorder: &mut Recorder) -> Result<String, String> {
         let Some(kept) = &self.kept else {
             return Err("what devices did is kept only with --log TAKE, from the start".into());
         };
         if self.saves.is_some() {
             return Err("a take is being saved; once that is done, save another".into());
         }
-        let (writer, from) = (kept.writer.clone(), kept.path.clone());
-        let path = self.free("mcap")?;
-        let text = format!("saves {}", path.display());
-        self.saves = Some(aside(move || {
-            let mut writer = writer.lock().unwrap_or_else(PoisonError::into_inner);
-            writer.flush().map_err(|e| e.to_string())?;
-            let saved = recover(&from, &path).map_err(|e| e.to_string())?;
-            Ok(format!("saved {:.1} s as {}; `ca replay` plays it again", saved.seconds, path.display()))
-        }));
+        let to = self.free("mcap")?;
+        let text = format!("saves {}", to.display());
+        let (tell, end) = channel();
+        let saving = |save| *kept.saving.lock().unwrap_or_else(PoisonError::into_inner) = save;
+        saving(Some(Save { to, tell }));
+        recorder.mark().inspect_err(|_| saving(None))?;
+        self.saves = Some(end);
         Ok(text)
     }
 
@@ -245,6 +273,7 @@ impl Drop for Keep {
     /// What is recorded is finished before the program is.
     fn drop(&mut self) {
         self.stop();
+        self.kept = None;
         for end in self.ends.drain(..).chain(self.saves.take()) {
             let _ = end.recv();
         }
