@@ -5,3 +5,4 @@ mod imports;
 mod mims;
 mod peers;
 mod published;
+mod takes;
