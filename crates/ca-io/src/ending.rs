@@ -7,8 +7,10 @@
 
 use crate::error::FileError;
 use crate::sound::{Format, WavOut, Written};
-use hound::WavReader;
+use crate::wav_header;
 use std::f64::consts::PI;
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -16,8 +18,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub const FADE: f64 = 0.02;
 /// A sound that ends below is let be: −60 dB of full scale.
 pub const QUIET: f64 = 1e-3;
-/// Samples that are written again at once.
-const BLOCK: usize = 1 << 14;
+/// Frames that are written again at once.
+const BLOCK: u64 = 1 << 14;
 
 /// How a render is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,22 +126,24 @@ impl RenderOut {
     /// Writes all of it a second time.
     fn again(self, gain: f64, diverged: bool) -> Result<Written, FileError> {
         let first = self.out.finish()?;
-        let unread =
-            |e: hound::Error| FileError::format(format!("it cannot be read again: {e}")).file(first.path.display());
+        let unread = |e: std::io::Error| FileError::io(&first.path, "it cannot be read again", &e);
         let copy = || {
             let Ending { format, ceiling, .. } = self.ending;
             let out = WavOut::create(&self.path, self.shape.0, self.shape.1, format)?;
             let mut out = if ceiling || diverged { out } else { out.unlimited() };
-            let mut from = WavReader::open(&first.path).map_err(unread)?;
-            let mut block = Vec::with_capacity(BLOCK * self.shape.1);
-            for x in from.samples::<f32>() {
-                block.push(f64::from(x.map_err(unread)?) * gain);
-                if block.len() == block.capacity() {
-                    out.write(&block)?;
-                    block.clear();
-                }
+            let header = wav_header::open(Format::F32, first.rate, self.shape.1 as u16).len();
+            let mut from = File::open(&first.path).map_err(unread)?;
+            from.seek(SeekFrom::Start(header as u64)).map_err(unread)?;
+            let mut left = first.frames;
+            while left > 0 {
+                let n = left.min(BLOCK);
+                let mut bytes = vec![0; n as usize * self.shape.1 * 4];
+                from.read_exact(&mut bytes).map_err(unread)?;
+                let samples = bytes.as_chunks::<4>().0.iter();
+                let block: Vec<f64> = samples.map(|b| f64::from(f32::from_le_bytes(*b)) * gain).collect();
+                out.write(&block)?;
+                left -= n;
             }
-            out.write(&block)?;
             out.finish()
         };
         let copied = copy();
@@ -163,6 +167,7 @@ fn staged(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hound::WavReader;
 
     const ENDING: Ending = Ending { format: Format::F32, ceiling: false, fade: true, normalize: None };
 

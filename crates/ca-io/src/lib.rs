@@ -53,5 +53,6 @@ pub mod recording;
 pub mod running;
 pub mod slow;
 pub mod sound;
+mod wav_header;
 
 pub use error::{FileError, FileErrorKind};

@@ -3,10 +3,9 @@
 //! Decides for whole files in memory: a run is short, and it appears with its fellows or not at all (`folder.rs`).
 
 use crate::Failure;
+use ca_io::sound;
 use flacenc::component::BitRepr as _;
 use flacenc::error::Verify as _;
-use hound::{SampleFormat, WavSpec, WavWriter};
-use std::io::Cursor;
 
 /// In which form sounds are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +60,7 @@ impl Audio {
     pub fn encode(self, samples: &[f32], channels: usize, rate: f64) -> Result<Vec<u8>, Failure> {
         match self {
             Audio::Flac => flac(samples, channels, rate as usize, 24),
-            Audio::Wav => wav(samples, channels, rate as u32).map_err(|e| failed(&e.to_string())),
+            Audio::Wav => Ok(sound::floats(samples, channels, rate as u32)),
             Audio::None => Ok(Vec::new()),
         }
     }
@@ -91,25 +90,4 @@ fn flac(samples: &[f32], channels: usize, rate: usize, bits: usize) -> Result<Ve
     let mut sink = flacenc::bitsink::ByteSink::new();
     stream.write(&mut sink).map_err(|e| failed(&format!("{e:?}")))?;
     Ok(sink.as_slice().to_vec())
-}
-
-fn wav(samples: &[f32], channels: usize, rate: u32) -> hound::Result<Vec<u8>> {
-    let spec = WavSpec {
-        channels: channels as u16,
-        sample_rate: rate,
-        bits_per_sample: 32,
-        sample_format: SampleFormat::Float,
-    };
-    let mut file = Cursor::new(Vec::new());
-    let mut writer = WavWriter::new(&mut file, spec)?;
-    for x in samples {
-        writer.write_sample(*x)?;
-    }
-    writer.finalize()?;
-    let mut bytes = file.into_inner();
-    if channels > 2 {
-        // no loudspeakers: see `ca_io::sound`
-        bytes[40..44].fill(0);
-    }
-    Ok(bytes)
 }

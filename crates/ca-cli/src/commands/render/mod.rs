@@ -31,9 +31,6 @@ use ca_lab::catalog;
 use ca_lab::gesture;
 use std::path::{Path, PathBuf};
 
-/// Data of a WAV file \[bytes\].
-const MOST: u64 = u32::MAX as u64 - 100;
-
 /// A probe as asked.
 pub(crate) struct Probe {
     /// selector
@@ -70,17 +67,12 @@ pub fn run(args: &RenderArgs) -> Outcome {
     border::idle(&args.source, &scene);
     let gesture = gesture(&args.playing, &scene, &output)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
-    let (seconds, frames) = length(&args.playing, &scene, &performance);
+    let (_, frames) = length(&args.playing, &scene, &performance);
     let format = match args.format {
         SampleFormat::F32 => Format::F32,
         SampleFormat::I24 => Format::I24,
         SampleFormat::I16 => Format::I16,
     };
-
-    if frames.saturating_mul(scene.channels as u64 * u64::from(format.bits() / 8)) > MOST {
-        let what = format!("{seconds} s of {} channels are more than the 4 GiB a WAV file holds", scene.channels);
-        return Err(Failure::Usage(format!("{what}; render less with `--seconds`, or `--format 16`")));
-    }
     let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
     let ending = Ending { format, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
