@@ -2,6 +2,7 @@
 
 mod files;
 mod imports;
+mod inputs;
 mod mims;
 mod peers;
 mod published;

@@ -18,7 +18,7 @@ use crate::reading;
 use ca_core::io::midi::MidiMap;
 use std::path::Path;
 
-mod csv;
+pub(crate) mod csv;
 mod midi;
 mod midi_port;
 mod npy;

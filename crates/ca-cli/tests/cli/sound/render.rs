@@ -287,7 +287,7 @@ fn a_body_is_read_from_the_folder_of_its_model() {
     r.says(&["error[E031]: `file` of `room.bell`: `models/parts/bell.obj`: it cannot be read", "^ cannot be read"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 9\n");
     let r = desk.ca(&["render", "models/body.ca.toml"]).is(1);
-    r.says(&["`models/parts/bell.obj`, line 6: `9` is no point", "help: points count from 1"]);
+    r.says(&["`models/parts/bell.obj`, line 6: `9` is not a point", "help: points count from 1"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
     desk.ca(&["check", "models/body.ca.toml"]).is(0).says(&["5 MAT", "5 REF"]);
     let render = ["render", "models/body.ca.toml", "--seconds", "200 ms", "--energy", "-o", "body.wav", "-q"];
