@@ -251,4 +251,5 @@ pub const CODES: &[(&str, &str)] = &[
     ("N202", "not all of a file is used"),
     ("N203", "a heavy junction"),
     ("N204", "ports on one degree of freedom"),
+    ("N205", "TOML 1.1"),
 ];
