@@ -69,7 +69,7 @@ impl AtomicFile {
             let err = FileError::io(path, "it cannot be written", e);
             if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
         };
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let target = followed(path).map_err(|e| fail(&e))?;
         match fs::metadata(&target) {
             Ok(m) if m.is_dir() => {
                 let e = FileError::new(FileErrorKind::Io, "it is a directory").file(path.display());
@@ -131,6 +131,21 @@ impl AtomicFile {
         }
         Ok(())
     }
+}
+
+/// The file that symbolic links lead to, whether it is there or not.
+fn followed(path: &Path) -> std::io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    // as many as Linux follows
+    for _ in 0..40 {
+        if let Ok(there) = fs::canonicalize(&target) {
+            return Ok(there);
+        }
+        let Ok(to) = fs::read_link(&target) else { return Ok(target) };
+        target.pop();
+        target.push(to);
+    }
+    Err(std::io::Error::other("its symbolic links lead in a circle"))
 }
 
 impl Drop for AtomicFile {
@@ -212,6 +227,20 @@ mod tests {
         s.commit().unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&real).unwrap(), b"new");
+        // also to a file that is not there yet, from another folder, by two links
+        let (sub, first, second) = (dir.path().join("sub"), dir.path().join("first"), dir.path().join("sub/second"));
+        fs::create_dir(&sub).unwrap();
+        std::os::unix::fs::symlink("sub/second", &first).unwrap();
+        std::os::unix::fs::symlink("../made", &second).unwrap();
+        write(&first, b"made").unwrap();
+        assert!([&first, &second].iter().all(|l| fs::symlink_metadata(l).unwrap().is_symlink()));
+        assert_eq!(fs::read(dir.path().join("made")).unwrap(), b"made");
+        // a circle is refused, and stays
+        let circle = dir.path().join("circle");
+        std::os::unix::fs::symlink("circle", &circle).unwrap();
+        let e = AtomicFile::create(&circle).unwrap_err().to_string();
+        assert!(e.contains("it cannot be written: its symbolic links lead in a circle"), "{e}");
+        assert!(fs::symlink_metadata(&circle).unwrap().is_symlink());
         let null = dir.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null).unwrap();
         let s = AtomicFile::create(&null).unwrap();
