@@ -4,7 +4,7 @@
 //! in one step when it is finished, so that a crash, a full disk or an interrupted command never leaves half a file
 //! over a good one. A sibling rather than a file in the temporary directory: only within one file system is renaming
 //! one step. What is not finished removes itself; after a kill the sibling stays and says by its name what it is.
-//! A symbolic link keeps pointing, a file keeps who may read it; what is not a plain file (`/dev/null`) is written
+//! A symbolic link keeps pointing, a file keeps the rights to read it, and other users may never write it; what is not a plain file (`/dev/null`) is written
 //! straight, never replaced.
 
 use crate::error::{FileError, FileErrorKind};
@@ -13,6 +13,36 @@ use std::fs::{self, File};
 use std::hash::{BuildHasher as _, Hasher as _};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// Mode of a file at most, whatever the umask of the process: other users read it.
+const PLAIN: u32 = 0o644;
+/// Mode of a file that other users do not read.
+const PRIVATE: u32 = 0o600;
+
+/// Makes a file where there is none, with this mode where the system has modes; the umask takes more away.
+///
+/// # Errors
+/// If there is one, or it cannot be made.
+pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
+    let mut options = File::options();
+    options.write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+    #[cfg(not(unix))]
+    let _ = mode;
+    options.open(path)
+}
+
+/// The rights of a file that is replaced; other users may not write it.
+fn kept(about: &fs::Metadata) -> fs::Permissions {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        fs::Permissions::from_mode(about.permissions().mode() & PLAIN)
+    }
+    #[cfg(not(unix))]
+    about.permissions()
+}
 
 /// Where the bytes go until they are all there.
 #[derive(Debug)]
@@ -39,11 +69,23 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 /// # Errors
 /// Where there is one, which stays, and where it cannot be written.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    fill_new(path, bytes, PLAIN)
+}
+
+/// Writes a file that this user alone can read, where there is none.
+///
+/// # Errors
+/// As [`write_new`].
+pub fn write_new_private(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    fill_new(path, bytes, PRIVATE)
+}
+
+fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
     let there = || FileError::new(FileErrorKind::Io, "it exists").file(path.display()).fix("choose another name");
     if path.symlink_metadata().is_ok() {
         return Err(there());
     }
-    let mut staged = AtomicFile::create(path)?;
+    let mut staged = AtomicFile::begin(path, mode)?;
     staged.fill(bytes)?;
     let Some(part) = &staged.part else { return Ok(()) };
     staged.file.sync_all().map_err(|e| staged.fail(&e))?;
@@ -65,6 +107,18 @@ impl AtomicFile {
     /// # Errors
     /// Where no file can be there.
     pub fn create(path: &Path) -> Result<AtomicFile, FileError> {
+        AtomicFile::begin(path, PLAIN)
+    }
+
+    /// Begins a file that this user alone can read.
+    ///
+    /// # Errors
+    /// As [`AtomicFile::create`].
+    pub fn create_private(path: &Path) -> Result<AtomicFile, FileError> {
+        AtomicFile::begin(path, PRIVATE)
+    }
+
+    fn begin(path: &Path, mode: u32) -> Result<AtomicFile, FileError> {
         let fail = |e: &std::io::Error| {
             let err = FileError::io(path, "it cannot be written", e);
             if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
@@ -81,14 +135,14 @@ impl AtomicFile {
             }
             _ => {}
         }
-        let rights = fs::metadata(&target).ok().map(|m| m.permissions());
+        let rights = fs::metadata(&target).ok().map(|m| kept(&m));
         let Some(name) = target.file_name() else {
             return Err(FileError::usage("it has no name").file(path.display()));
         };
         // random: numbers of processes come back, and are the same on other machines
         let random = RandomState::new().build_hasher().finish();
         let part = target.with_file_name(format!(".{}.{random:016x}.part", name.to_string_lossy()));
-        let file = File::create_new(&part).map_err(|e| fail(&e))?;
+        let file = new_file(&part, mode).map_err(|e| fail(&e))?;
         if let Some(rights) = rights {
             // a file system without rights has none to keep
             let _ = file.set_permissions(rights);
@@ -204,7 +258,14 @@ mod tests {
         fs::write(&path, "old").unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
         write(&path, b"new").unwrap();
-        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode(&path), 0o600);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o666)).unwrap();
+        write(&path, b"newer").unwrap();
+        assert_eq!(mode(&path), 0o644, "other users do not write it");
+        let private = dir.path().join("token");
+        write_new_private(&private, b"secret").unwrap();
+        assert_eq!(mode(&private), 0o600);
     }
 
     #[test]
