@@ -96,6 +96,8 @@ pub struct Gateway {
     traffic: Arc<Traffic>,
     // after the ports that belong to it
     _node: Node<Ipc>,
+    /// protects the prefix
+    _site: Site,
 }
 
 impl Gateway {
@@ -137,7 +139,7 @@ impl Gateway {
                 about: None,
             });
         }
-        Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node })
+        Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node, _site: site.clone() })
     }
 
     /// Takes all frames that came, oldest first: the number of the device, and the frame.

@@ -15,11 +15,15 @@ made. What may reach a motor is decided here as in `host/watch.rs`, and what a f
 
 from __future__ import annotations
 
+import contextlib
 import ctypes as c
+import fcntl
 import functools
 import math
 import os
+import re
 import secrets
+import stat
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -81,27 +85,96 @@ About = _record("About", b"caAB", _HEAD + (
 
 #: the file that iceoryx2 0.10.0 makes for everybody (mode 0666), and its first bytes: see `host/ours.rs`
 _COUNTER, _RELEASE = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", 10 << 16
+_SHM = "/dev/shm"
+#: longest wait for a process that writes new digits of a prefix [s]
+_LIMIT = 2.0
+
+
+def _named(prefix: str) -> list[tuple[str, os.stat_result]]:
+    """Everything in `/dev/shm` with this prefix. Files that vanish meanwhile are left out."""
+    found = []
+    for name in os.listdir(_SHM) if os.path.isdir(_SHM) else []:
+        if name.startswith(prefix):
+            with contextlib.suppress(FileNotFoundError):
+                found.append((f"{_SHM}/{name}", os.lstat(f"{_SHM}/{name}")))
+    return found
+
+
+def _foreign(prefix: str) -> list[tuple[str, os.stat_result]]:
+    return [f for f in _named(prefix) if f[1].st_uid != os.getuid() or not stat.S_ISREG(f[1].st_mode)]
+
+
+def _share(file: int, end: float) -> None:
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.001)
+
+
+def _claim(root: str) -> tuple[str, Any]:
+    """The prefix of all names at this place, and the file whose lock protects it: see `host/prefix.rs`."""
+
+    def prefix() -> str:
+        digits = os.pread(file, 9, 0).decode("ascii", "replace")
+        return f"ca1-0.10.0-{digits}_" if re.fullmatch("[0-9a-fA-F]{8}", digits) else ""
+
+    file = os.open(f"{root}/prefix", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    held, end = os.fdopen(file, "rb+", buffering=0), time.monotonic() + _LIMIT
+    while True:
+        _share(file, end)
+        old = prefix()
+        if old and not _foreign(old):
+            return old, held
+        fcntl.flock(file, fcntl.LOCK_UN)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            _share(file, end)
+            # other processes use it
+            if old and (now := prefix()):
+                return now, held
+            fcntl.flock(file, fcntl.LOCK_UN)
+        else:
+            # another process may have been faster
+            if prefix() == old:
+                for path, about in _named(old) if old else []:
+                    if about.st_uid == os.getuid():
+                        with contextlib.suppress(OSError):
+                            os.unlink(path)
+                os.pwrite(file, secrets.token_hex(4).encode(), 0)
+                os.ftruncate(file, 8)
+            fcntl.flock(file, fcntl.LOCK_UN)
+        if time.monotonic() > end:
+            raise FailedError(f"`{root}/prefix` is locked by another process")
 
 
 def _closed(prefix: str) -> None:
-    """Nothing under names of ours is another user's, and what iceoryx2 would make for everybody is made for us alone."""
-    shm = "/dev/shm"
-    if not os.path.isdir(shm):
+    """Makes the counter for this user alone, which iceoryx2 would make with mode 0666."""
+    if not os.path.isdir(_SHM):
         return
-    for entry in os.scandir(shm):
-        if entry.name.startswith(prefix):
-            try:
-                whose = entry.stat(follow_symlinks=False).st_uid
-            except FileNotFoundError:
-                continue
-            if whose != os.getuid():
-                raise FailedError(f"`{entry.path}` belongs to user {whose}: remove it, or set another CA_SHM_ROOT")
-    path, fresh = f"{shm}/{prefix}{_COUNTER}", f"{shm}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
-    if os.path.exists(path) and os.stat(path).st_mode & 0o777 == 0o600:
-        return
-    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(_RELEASE.to_bytes(8, "little") + bytes(8))
+    path, fresh = f"{_SHM}/{prefix}{_COUNTER}", f"{_SHM}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
+    with contextlib.suppress(FileNotFoundError):
+        about = os.lstat(path)
+        if about.st_uid == os.getuid() and stat.S_ISREG(about.st_mode) and about.st_mode & 0o777 == 0o600:
+            return
+    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as new:
+        new.write(_RELEASE.to_bytes(8, "little") + bytes(8))
     os.rename(fresh, path)
+
+
+def _unmixed(prefix: str, before: list[tuple[str, os.stat_result]]) -> None:
+    """An error where this process has mapped a file of another user, which could change what is in it."""
+    inodes = {about.st_ino for _, about in [*before, *_foreign(prefix)]}
+    if not inodes:
+        return
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            if f"{_SHM}/{prefix}" in line and int(line.split()[4]) in inodes:
+                raise FailedError(f"`{line.split()[5]}` belongs to another user: end all servers and devices")
 
 
 class Device:
@@ -163,6 +236,7 @@ class Device:
         self._seq, self._told, self._due = 0, 0, time.monotonic_ns()
         self._last: Any = None
         self._rested = False
+        self._held: Any = None
         self._open()
 
     def _fill(self, kind: Any, **rest: Any) -> Any:
@@ -176,8 +250,9 @@ class Device:
         about = os.stat(root)
         if about.st_uid != os.getuid() or about.st_mode & 0o022:
             raise FailedError(f"`{root}` belongs to another user or can be written by others; set CA_SHM_ROOT")
-        prefix = f"ca1-0.10.0-{_fnv(root) % 2**32:08x}_"
+        prefix, self._held = _claim(root)
         _closed(prefix)
+        foreign = _foreign(prefix)
         config = iox.config.default()
         config.global_cfg.root_path = iox.Path.new(root)
         config.global_cfg.prefix = iox.FileName.new(prefix)
@@ -197,6 +272,7 @@ class Device:
             raise FailedError(f"the device `{self._name}` is there already: end it, or take another name") from e
         self._hears: Any = self._lines[1].subscriber_builder().create()
         self._tells: Any = self._lines[2].publisher_builder().create()
+        _unmixed(prefix, foreign)
 
     def send(
         self,
@@ -305,6 +381,8 @@ class Device:
                 port.delete()
         self._sends = self._hears = self._tells = self._node = None
         self._lines = []
+        if self._held is not None:
+            self._held.close()
 
     def __enter__(self) -> Device:
         return self

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 import time
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -163,3 +165,38 @@ def test_what_cannot_be_is_refused() -> None:
     ]:
         with pytest.raises(ca.UsageError):
             bad()
+
+
+def test_a_place_has_one_random_prefix(tmp_path: Path) -> None:
+    first, held = device._claim(str(tmp_path))
+    assert first == f"ca1-0.10.0-{(tmp_path / 'prefix').read_text()}_"
+    assert (tmp_path / "prefix").stat().st_mode & 0o777 == 0o600
+    again, other = device._claim(str(tmp_path))
+    assert again == first
+    held.close()
+    other.close()
+    for damaged in ("", "12", "xxxxxxxx", "0123456789"):
+        (tmp_path / "prefix").write_text(damaged)
+        anew, held = device._claim(str(tmp_path))
+        held.close()
+        assert len(anew) == len(first) and damaged != (tmp_path / "prefix").read_text()
+
+
+@pytest.mark.skipif(os.getuid() != 0 or not os.path.isdir("/dev/shm"), reason="only root can be another user")
+def test_a_prefix_with_a_file_of_another_user_is_replaced_once_no_process_uses_it(tmp_path: Path) -> None:
+    first, held = device._claim(str(tmp_path))
+    squat = Path(f"/dev/shm/{first}squat")
+    squat.touch()
+    os.chown(squat, 65534, 65534)
+    try:
+        same, other = device._claim(str(tmp_path))
+        assert same == first, "it is in use"
+        device._closed(first)
+        held.close()
+        other.close()
+        second, held = device._claim(str(tmp_path))
+        held.close()
+        assert second != first and squat.exists()
+        assert [path for path, _ in device._named(first)] == [str(squat)], "what was ours there is removed"
+    finally:
+        squat.unlink()

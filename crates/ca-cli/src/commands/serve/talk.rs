@@ -1,4 +1,4 @@
-//! What goes through shared memory: the gateway of the devices, and the control.
+//! Speaks to other processes: to devices by the gateway, to `ca set`, `ca disarm` and the like by the control.
 
 use super::answer::{Change, answer};
 use crate::outcome::Failure;
@@ -59,8 +59,8 @@ impl Talk {
             return Ok(talk);
         }
         let site = Site::of_user()?;
-        site.sweep();
         if !names.is_empty() {
+            site.sweep();
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
             talk.gateway = Some(Gateway::start(&site, &names, rings, request)?);
         }
@@ -133,10 +133,8 @@ impl Talk {
         }
         // an engine that has more to do than it can take is asked again
         self.refits.retain(|k| recorder.refit(*k, self.setups[*k as usize].clone()).is_err());
-        if sweep {
-            if let Some(site) = &self.site {
-                site.sweep();
-            }
+        if let (true, Some(site), Some(_)) = (sweep, &self.site, &self.gateway) {
+            site.sweep();
         }
         let mut leave = false;
         if let Some(control) = &mut self.control {
