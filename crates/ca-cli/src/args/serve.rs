@@ -44,9 +44,14 @@ pub struct ServeArgs {
     /// A JACK server that plays the sound brings MIDI by a port `midi_in`, unasked
     #[arg(long, value_name = "PATH", num_args = 0..=1, default_missing_value = "")]
     pub midi: Option<PathBuf>,
-    /// Plays by OSC, from this machine: a UDP port; 0 takes a free one
+    /// Plays by OSC, from this machine: a UDP port; 0 takes a free one. A model with devices takes only messages with the
+    /// token of `--osc-token` in front of their address
     #[arg(long, value_name = "PORT")]
     pub osc: Option<u16>,
+    /// The file with the token that addresses of OSC begin with, `/TOKEN/param`: readable by you alone, made if it is not there;
+    /// `osc-token` beside your profiles if left out
+    #[arg(long, value_name = "FILE", requires = "osc")]
+    pub osc_token: Option<PathBuf>,
     /// Plays the model's own gesture from the start
     #[arg(long)]
     pub gesture: bool,

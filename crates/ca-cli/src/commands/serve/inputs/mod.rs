@@ -7,7 +7,9 @@
 pub(super) mod events;
 mod midi;
 mod osc;
+mod token;
 
+use super::devices;
 use crate::args::ServeArgs;
 use crate::outcome::Failure;
 use ca_core::Scene;
@@ -19,6 +21,7 @@ use midi::Cables;
 use osc::Osc;
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
+use token::Token;
 
 /// Channel and number of a controller.
 type Control = (u8, u8);
@@ -46,11 +49,17 @@ impl Inputs {
         plays: bool,
         events: Option<EventReader>,
     ) -> Result<Inputs, Failure> {
+        // forces on a hand follow from what it does
+        let closed = args.osc_token.is_some() || !devices(scene).is_empty();
+        let osc = match args.osc {
+            Some(port) => Some(Osc::open(port, Token::open(args.osc_token.as_deref(), closed)?, closed)?),
+            None => None,
+        };
         Ok(Inputs {
             live: LiveMidi::new(&port_maps(scene)),
             cables: Cables::open(args.midi.as_deref(), plays)?,
             events,
-            osc: args.osc.map(Osc::open).transpose()?,
+            osc,
             bound: BTreeMap::new(),
             learning: None,
             told: BTreeSet::new(),
@@ -65,7 +74,7 @@ impl Inputs {
     /// What there is, in words.
     pub(super) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
-        let osc = self.osc.iter().map(|o| format!("OSC: UDP port {} of this machine", o.port()));
+        let osc = self.osc.iter().map(Osc::said);
         let events = self.events.iter().map(|e| format!("MIDI: {}", e.name()));
         midi.chain(events).chain(osc).collect()
     }
