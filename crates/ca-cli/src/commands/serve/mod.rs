@@ -184,9 +184,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     }
     let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
-    if let Some((desk, page)) = desk.as_ref().zip(page) {
-        page.announce(&desk.address());
-    }
+    let _announced = desk.as_ref().zip(page).map(|(desk, page)| page.announce(&desk.address()));
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
     threads.extend(wav.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string())));
