@@ -307,7 +307,8 @@ out = { from = "key" }
 /// Sends a packet as another user, and gives what is answered.
 #[track_caller]
 fn sent_by_nobody(port: u16, packet: &OscPacket) -> Option<String> {
-    let bytes: String = encoder::encode(packet).unwrap().iter().map(|b| format!("\\x{b:02x}")).collect();
+    let bytes = encoder::encode(packet).unwrap();
+    let bytes = bytes.iter().fold(String::new(), |text, b| text + &format!("\\x{b:02x}"));
     let line = format!(
         "exec 3<>/dev/udp/127.0.0.1/{port}; printf '{bytes}' >&3; timeout 20 head -c 1 <&3 >/dev/null && echo answered"
     );
