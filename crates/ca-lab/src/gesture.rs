@@ -22,7 +22,7 @@ pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
 }
 
 /// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
-/// What of a file moves nothing is handed to `note`.
+/// Remarks on a file are handed to `note`.
 ///
 /// # Errors
 /// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
@@ -45,7 +45,7 @@ pub fn open(
         } else {
             Gesture::open(file, &ports, rate.filter(|_| array))?
         };
-        if let Some(what) = gesture.unheard() {
+        for what in gesture.remarks() {
             note(&format!("`{}`: {what}", file.display()));
         }
         match (port, gesture.tracks()) {

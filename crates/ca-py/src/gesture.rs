@@ -76,10 +76,10 @@ impl Gesture {
         self.gesture.tracks().iter().map(one).collect()
     }
 
-    /// What of a file moves nothing, in words.
+    /// What people should know of a file, in words.
     #[getter]
-    fn unheard(&self) -> Option<&str> {
-        self.gesture.unheard()
+    fn remarks(&self) -> Vec<String> {
+        self.gesture.remarks().to_vec()
     }
 
     /// Time of its last value [s].

@@ -26,7 +26,7 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
         return Err(e.fix("give a port a `midi = { … }`, with the notes or the controller that move it"));
     }
     ports.iter().try_for_each(check)?;
-    let events = smf::events(bytes)?;
+    let smf::Messages { events, mut remarks } = smf::messages(bytes)?;
     let mut port_tracks: Vec<PortTrack> = ports.iter().map(|p| PortTrack::new(&p.map)).collect();
     for e in &events {
         for f in &mut port_tracks {
@@ -39,7 +39,8 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
         return Err(e.fix("change `midi` of a port to what the file has"));
     }
     let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
-    Ok(Gesture { unheard: unheard(&events, ports), ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
+    remarks.extend(unheard(&events, ports));
+    Ok(Gesture { remarks, ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
 }
 
 /// The notes that move no port, in words.

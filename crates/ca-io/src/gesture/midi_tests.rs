@@ -70,6 +70,65 @@ fn running_status_and_velocity_0() {
 }
 
 #[test]
+fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark() {
+    let plain = file(0, MS, &[&[(0, &[0x90, 60, 127]), (1000, &[0x90, 60, 0])]]);
+    let plain = read(&plain, &[key()]).unwrap();
+    for between in [&[0xff, 1, 1, 0x41][..], &[0xf0, 5, 0x7e, 0x7f, 9, 1, 0xf7], &[0xf7, 1, 0x41]] {
+        let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127]), (0, between), (1000, &[60, 0])]]), &[key()]).unwrap();
+        assert_eq!(g.tracks(), plain.tracks());
+        let [remark] = g.remarks() else { panic!("{:?}", g.remarks()) };
+        assert!(remark.starts_with("running status goes on 1 times"), "{remark}");
+    }
+    // with a status of its own there is nothing to tell
+    let events: &[(u32, &[u8])] = &[(0, &[0x90, 60, 127]), (0, &[0xff, 1, 1, 0x41]), (1000, &[0x90, 60, 0])];
+    assert_eq!(read(&file(0, MS, &[events]), &[key()]).unwrap(), plain);
+    // another track begins without a status
+    let tracks: [&[(u32, &[u8])]; 2] = [&[(0, &[0x90, 60, 127])], &[(0, &[0xff, 1, 1, 0x41]), (0, &[60, 0])]];
+    assert!(read(&file(1, MS, &tracks), &[key()]).is_err());
+}
+
+#[test]
+fn all_tracks_are_read_whatever_the_header_announces() {
+    let (one, two): (&[(u32, &[u8])], &[(u32, &[u8])]) = (&[(0, HIT)], &[(500, HIT)]);
+    let mut bytes = file(1, MS, &[one, two]);
+    assert!(read(&bytes, &[key()]).unwrap().remarks().is_empty());
+    bytes[11] = 1;
+    assert_eq!(times(&bytes), [0.0, 0.5]);
+    let g = read(&bytes, &[key()]).unwrap();
+    assert_eq!(g.remarks(), ["its header announces 1 of its 2 tracks; all are read"]);
+    // no track, but what a program left behind the last one
+    bytes.extend(*b"TAG\0\xff\xff\xff\xff\x01");
+    assert_eq!(times(&bytes), [0.0, 0.5]);
+    bytes[11] = 3;
+    assert!(read(&bytes, &[key()]).is_err());
+}
+
+#[test]
+fn a_file_in_a_riff_container_is_read() {
+    let plain = file(0, MS, &[&[(0, HIT), (1000, HIT)]]);
+    let wrap = |form: &[u8], chunks: &[(&[u8], &[u8])]| {
+        let mut b = form.to_vec();
+        for (id, body) in chunks {
+            b.extend(*id);
+            b.extend((body.len() as u32).to_le_bytes());
+            b.extend(*body);
+            b.extend(&[0][..body.len() % 2]);
+        }
+        [b"RIFF", &(b.len() as u32).to_le_bytes()[..], &b].concat()
+    };
+    for chunks in [&[(&b"data"[..], &plain[..])][..], &[(b"DISP", b"odd"), (b"data", &plain)]] {
+        assert_eq!(times(&wrap(b"RMID", chunks)), times(&plain));
+    }
+    for bad in [wrap(b"WAVE", &[(b"data", &plain)]), wrap(b"RMID", &[(b"DISP", &plain)]), b"RIFF".to_vec()] {
+        assert_eq!(read(&bad, &[key()]).unwrap_err().kind, FileErrorKind::Format);
+    }
+    let whole = wrap(b"RMID", &[(b"data", &plain)]);
+    for missing in 2..whole.len() {
+        assert!(read(&whole[..whole.len() - missing], &[key()]).is_err(), "{missing} bytes short");
+    }
+}
+
+#[test]
 fn a_release_during_the_attack_starts_from_there() {
     let t = one(key(), &[(0, &[0x90, 60, 127]), (125, &[0x80, 60, 0])]);
     assert_eq!((t.at(0.125), t.at(0.375), t.at(0.625)), (1.5, 1.25, 1.0));
@@ -142,7 +201,7 @@ fn an_attack_of_0_is_a_jump() {
 
 /// Times at which note 60 is struck.
 fn times(bytes: &[u8]) -> Vec<f64> {
-    let hits = smf::events(bytes).unwrap();
+    let hits = smf::messages(bytes).unwrap().events;
     hits.iter().filter(|e| matches!(e.message, MidiMessage::NoteOn { .. })).map(|e| e.time).collect()
 }
 
@@ -182,7 +241,7 @@ fn smpte_time_knows_no_tempo() {
 fn tracks_merge_in_order_within_a_tick() {
     let one: &[(u32, &[u8])] = &[(10, &[0x90, 1, 1]), (0, &[0x90, 2, 1])];
     let two: &[(u32, &[u8])] = &[(5, &[0x90, 3, 1]), (5, &[0x90, 4, 1])];
-    let events = smf::events(&file(1, 96, &[one, two])).unwrap();
+    let events = smf::messages(&file(1, 96, &[one, two])).unwrap().events;
     let keys: Vec<u8> =
         events.iter().map(|e| if let MidiMessage::NoteOn { key, .. } = e.message { key.as_int() } else { 0 }).collect();
     assert_eq!(keys, [3, 1, 2, 4]);
@@ -283,7 +342,7 @@ fn notes_that_move_nothing_are_named() {
     let events: &[(u32, &[u8])] =
         &[(0, &[0x90, 60, 127]), (1, &[0x90, 40, 1]), (1, &[0x90, 40, 0]), (1, &[0x99, 36, 9]), (1, &[0x99, 36, 9])];
     let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
-    assert_eq!(g.unheard(), Some("3 notes move no port: 40 on channel 1; 36 on channel 10"));
+    assert_eq!(g.remarks(), ["3 notes move no port: 40 on channel 1; 36 on channel 10"]);
     let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127])]]), &[key()]).unwrap();
-    assert_eq!(g.unheard(), None);
+    assert!(g.remarks().is_empty());
 }

@@ -11,7 +11,7 @@
 //! | `.csv` | as the header says | column `time` \[s\] |
 //! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
 //! | `.wav` | `ch0`, `ch1`, … | its own rate |
-//! | `.mid`, `.midi` | as the ports it moves | its own tempo map |
+//! | `.mid`, `.midi`, `.smf`, `.kar`, `.rmi` | as the ports it moves | its own tempo map |
 
 use crate::error::{FileError, FileErrorKind, shown};
 use crate::reading;
@@ -61,7 +61,7 @@ impl GestureFormat {
             "csv" => GestureFormat::Csv,
             "npy" => GestureFormat::Npy,
             "wav" | "wave" => GestureFormat::Wav,
-            "mid" | "midi" | "smf" => GestureFormat::Midi,
+            "mid" | "midi" | "smf" | "kar" | "rmi" => GestureFormat::Midi,
             _ => return None,
         })
     }
@@ -71,7 +71,7 @@ impl GestureFormat {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gesture {
     tracks: Vec<Track>,
-    unheard: Option<String>,
+    remarks: Vec<String>,
 }
 
 impl Gesture {
@@ -89,7 +89,7 @@ impl Gesture {
                 return Err(e.fix("rename or remove one"));
             }
         }
-        Ok(Gesture { tracks, unheard: None })
+        Ok(Gesture { tracks, remarks: Vec::new() })
     }
 
     /// Reads the file at `path` in the format its extension stands for.
@@ -137,9 +137,9 @@ impl Gesture {
         &self.tracks
     }
 
-    /// What of a file moves nothing, in words.
-    pub fn unheard(&self) -> Option<&str> {
-        self.unheard.as_deref()
+    /// What people should know of the file, in words: what of it moves nothing, and how it breaks the standard of its format.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
     }
 
     /// The track of that name.
@@ -163,6 +163,8 @@ mod tests {
             ("a.csv", Some(GestureFormat::Csv)),
             ("a.MID", Some(GestureFormat::Midi)),
             ("a.b.midi", Some(GestureFormat::Midi)),
+            ("a.KAR", Some(GestureFormat::Midi)),
+            ("a.rmi", Some(GestureFormat::Midi)),
             ("a.Npy", Some(GestureFormat::Npy)),
             ("a.wav", Some(GestureFormat::Wav)),
             ("a.mp3", None),

@@ -58,10 +58,10 @@ def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
 
 
 def _file(scene: _core.Scene, path: Path, port: str | None, rate: float | None) -> _core.Gesture:
-    """A gesture from a file; notes that move no port are a warning."""
+    """A gesture from a file; remarks on it are warnings."""
     gesture = scene.gesture(os.fspath(path), port, rate)
-    if gesture.unheard is not None:
-        warnings.warn(f"`{os.fspath(path)}`: {gesture.unheard}", stacklevel=4)
+    for remark in gesture.remarks:
+        warnings.warn(f"`{os.fspath(path)}`: {remark}", stacklevel=4)
     return gesture
 
 

@@ -3,6 +3,7 @@
 mod bench;
 pub mod degraded;
 mod files;
+mod midi;
 mod render;
 mod report;
 pub mod sweep;
