@@ -79,7 +79,7 @@ fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark()
         let [remark] = g.remarks() else { panic!("{:?}", g.remarks()) };
         assert!(remark.starts_with("running status goes on 1 times"), "{remark}");
     }
-    // with a status of its own there is nothing to tell
+    // an event with a status byte needs no remark
     let events: &[(u32, &[u8])] = &[(0, &[0x90, 60, 127]), (0, &[0xff, 1, 1, 0x41]), (1000, &[0x90, 60, 0])];
     assert_eq!(read(&file(0, MS, &[events]), &[key()]).unwrap(), plain);
     // another track begins without a status
@@ -345,4 +345,80 @@ fn notes_that_move_nothing_are_named() {
     assert_eq!(g.remarks(), ["3 notes move no port: 40 on channel 1; 36 on channel 10"]);
     let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127])]]), &[key()]).unwrap();
     assert!(g.remarks().is_empty());
+}
+
+#[test]
+fn the_pedal_holds_notes_until_it_is_up() {
+    // the pedal after the key, which comes up at 1 s; the pedal comes up at 2 s
+    let held: &[(u32, &[u8])] = &[
+        (0, &[0x90, 60, 127]),
+        (500, &[0xb0, 64, 64]),
+        (500, &[0x80, 60, 0]),
+        (500, &[0xb1, 64, 0]),
+        (500, &[0xb0, 64, 63]),
+    ];
+    let t = one(key(), held);
+    for (time, want) in [(0.25, 2.0), (1.25, 2.0), (2.0, 2.0), (2.25, 1.5), (2.5, 1.0)] {
+        assert_eq!(t.at(time), want, "at {time}");
+    }
+    // a key that is down when the pedal comes up stays so; all sound off ends what the pedal holds, all notes off does not
+    let pedal = |last: &[u8]| -> f64 {
+        one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, last), (500, &[0xb0, 64, 0])]).at(0.75)
+    };
+    assert_eq!([pedal(&[0xb0, 123, 0]), pedal(&[0xb0, 120, 0]), pedal(&[0xb0, 121, 0])], [2.0, 1.5, 2.0]);
+    let t = one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[0xb0, 64, 0])]);
+    assert_eq!(t.at(9.0), 2.0);
+    // a plectrum does not fall back, whatever the pedal does
+    let mut map = key();
+    map.map.back = false;
+    let events: &[(u32, &[u8])] = &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[60, 0])];
+    assert_eq!(one(map.clone(), events), one(map, &events[1..2]));
+}
+
+#[test]
+fn a_note_that_the_pedal_alone_holds_comes_up_before_the_next_one() {
+    let again: &[(u32, &[u8])] = &[
+        (0, &[0xb0, 64, 127]),
+        (0, &[0x90, 60, 127]),
+        (1000, &[0x80, 60, 0]),
+        (1000, &[0x90, 62, 64]),
+        (1000, &[0x80, 62, 0]),
+        (1000, &[0xb0, 64, 0]),
+    ];
+    let t = one(key(), again);
+    let there = velocity(64.0);
+    for (time, want) in [(2.0, 2.0), (2.25, 1.5), (2.5, 1.0), (2.75, there), (4.0, there), (4.5, 1.0)] {
+        assert_eq!(t.at(time), want, "at {time}");
+    }
+    // what comes meanwhile cuts it short
+    let t = one(key(), &[&again[..4], &[(250, &[0xb0, 120, 0][..])]].concat());
+    assert_eq!((t.at(2.25), t.at(2.75), t.at(9.0)), (1.5, 1.0, 1.0));
+}
+
+#[test]
+fn a_model_with_a_port_for_controller_64_has_no_pedal() {
+    let ports = [key(), port("damper", MidiSource::Control(64), None)];
+    let events: &[(u32, &[u8])] = &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[0x80, 60, 0])];
+    let g = read(&file(0, MS, &[events]), &ports).unwrap();
+    assert_eq!(g.tracks().iter().map(|t| t.at(9.0)).collect::<Vec<_>>(), [1.0, 2.0]);
+    assert!(g.remarks().is_empty());
+}
+
+#[test]
+fn what_no_port_follows_is_told() {
+    let events: &[(u32, &[u8])] = &[
+        (0, &[0x90, 60, 127]),
+        (0, &[0xb0, 64, 127]),
+        (0, &[0xb0, 7, 100]),
+        (0, &[0xb0, 123, 0]),
+        (0, &[0xe1, 0, 0]),
+        (0, &[0xd1, 5]),
+        (0, &[0xa1, 60, 5]),
+    ];
+    let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
+    let told = "no port follows controller 7 on channel 1, pitch bend, channel pressure and key pressure on channel 2";
+    assert_eq!(g.remarks(), [told]);
+    // a pedal is told where nothing can be held
+    let g = read(&file(0, MS, &[events]), &[port("x", MidiSource::Control(7), None)]).unwrap();
+    assert!(g.remarks()[1].starts_with("no port follows controller 64 on channel 1"), "{:?}", g.remarks());
 }

@@ -27,7 +27,7 @@ mod smf;
 mod track;
 pub(crate) mod wav;
 
-pub use midi_port::{Glide, MidiPort};
+pub use midi_port::{Glide, MidiPort, Motion};
 pub(crate) use track::check_rate;
 pub use track::{Cursor, Curve, LONGEST, Track};
 
@@ -72,6 +72,7 @@ impl GestureFormat {
 pub struct Gesture {
     tracks: Vec<Track>,
     remarks: Vec<String>,
+    midi: bool,
 }
 
 impl Gesture {
@@ -89,7 +90,34 @@ impl Gesture {
                 return Err(e.fix("rename or remove one"));
             }
         }
-        Ok(Gesture { tracks, remarks: Vec::new() })
+        Ok(Gesture { tracks, remarks: Vec::new(), midi: false })
+    }
+
+    /// Several gestures as one.
+    ///
+    /// # Errors
+    /// If two tracks have the same name.
+    pub fn together(all: impl IntoIterator<Item = Gesture>) -> Result<Gesture, FileError> {
+        let (mut tracks, mut remarks, mut midi) = (Vec::new(), Vec::new(), false);
+        for g in all {
+            tracks.extend(g.tracks);
+            remarks.extend(g.remarks);
+            midi |= g.midi;
+        }
+        Ok(Gesture { remarks, midi, ..Gesture::new(tracks)? })
+    }
+
+    /// Its only track, called `name`; `None` where it has several.
+    pub fn named(self, name: &str) -> Option<Gesture> {
+        let [one] = &self.tracks[..] else { return None };
+        let tracks = vec![one.clone().named(name)];
+        Some(Gesture { tracks, ..self })
+    }
+
+    /// As one from a MIDI file, or as one that is not.
+    #[must_use]
+    pub fn as_midi(self, midi: bool) -> Gesture {
+        Gesture { midi, ..self }
     }
 
     /// Reads the file at `path` in the format its extension stands for.
@@ -137,9 +165,14 @@ impl Gesture {
         &self.tracks
     }
 
-    /// What people should know of the file, in words: what of it moves nothing, and how it breaks the standard of its format.
+    /// Remarks on the file, in words: events that move nothing, and ways in which it breaks the standard of its format.
     pub fn remarks(&self) -> &[String] {
         &self.remarks
+    }
+
+    /// True if a MIDI file is part of it, which is played to its end.
+    pub fn is_midi(&self) -> bool {
+        self.midi
     }
 
     /// The track of that name.

@@ -29,7 +29,7 @@ enum Raw {
     Tempo(u32),
 }
 
-/// What is read of a file.
+/// The contents of a file.
 pub(super) struct Messages {
     /// all channel messages, in order of time
     pub events: Vec<Event>,
@@ -148,7 +148,7 @@ fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Re
     Ok(broken)
 }
 
-/// Whether the next event begins with data: no status byte follows its delta time.
+/// True if the next event begins with data: no status byte follows its delta time.
 fn lacks_status(unread: &[u8]) -> bool {
     let delta = unread.iter().take_while(|b| **b >= 0x80).count();
     unread.get(delta + 1).is_some_and(|b| *b < 0x80)
