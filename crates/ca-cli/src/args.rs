@@ -167,7 +167,7 @@ pub struct Playing {
     /// How long, e.g. 4 or "4 s"
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// A gesture that plays it (csv, npy, wav, mid, or a take, mcap); its tracks take the place of built-in ones;
+    /// A gesture that plays it (csv, npy, wav, mid, kar, rmi, or a take, mcap); its tracks take the place of built-in ones;
     /// repeatable. The one nameless track of an array or a sound is given to a port by `key=FILE`
     #[arg(long, value_name = "[PORT=]FILE")]
     pub gesture: Vec<String>,
@@ -189,7 +189,8 @@ pub enum Border {
 ///
 /// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
 /// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
-/// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
+/// length is `--seconds`. Without it a MIDI file is played until the sound has died away (60 dB below its peak for half a second), 10 s
+/// after the last event at most; else it is `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
 /// model makes, beyond full scale too; in 24 and 16 bits that is cut off and counted. A model that diverges is silenced, and the
 /// guilty module named: what is cut off or diverged finishes with exit code 3.
 #[allow(clippy::struct_excessive_bools)]

@@ -34,7 +34,7 @@ pub fn open(
     note: &mut dyn FnMut(&str),
 ) -> Result<Option<Gesture>, Failure> {
     let ports = port_maps(scene);
-    let mut tracks: Vec<Track> = Vec::new();
+    let mut all = Vec::new();
     for text in files {
         let (port, file) = port_and_file(text, folder);
         let file = &*folder.join(file);
@@ -48,20 +48,17 @@ pub fn open(
         for what in gesture.remarks() {
             note(&format!("`{}`: {what}", file.display()));
         }
-        match (port, gesture.tracks()) {
-            (None, all) => {
-                nameless(all, scene, file)?;
-                tracks.extend(all.iter().cloned());
-            }
-            (Some(port), [one]) => tracks.push(one.clone().named(port)),
-            (Some(port), all) => {
-                let names = ticked(all.iter().map(Track::name));
-                let what = format!("`{}` has {} tracks, {names}", file.display(), all.len());
-                return Err(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")));
-            }
-        }
+        let Some(port) = port else {
+            nameless(gesture.tracks(), scene, file)?;
+            all.push(gesture);
+            continue;
+        };
+        let names = ticked(gesture.tracks().iter().map(Track::name));
+        let what = format!("`{}` has {} tracks, {names}", file.display(), gesture.tracks().len());
+        let one = gesture.named(port);
+        all.push(one.ok_or(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")))?);
     }
-    Ok(if files.is_empty() { None } else { Some(Gesture::new(tracks)?) })
+    Ok(if files.is_empty() { None } else { Some(Gesture::together(all)?) })
 }
 
 /// Refuses a single `ch0` that nobody is called by, with the way to name it.

@@ -51,7 +51,8 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
         let performance = Performance::new(scene, gesture).map_err(|e| error::gesture(py, &e))?;
-        let frames = play::frames(scene, play::seconds(&performance, seconds));
+        let length = play::Length::of(&performance, seconds);
+        let frames = length.frames;
         let (channels, n_out) = (scene.channels, scene.n_out);
         let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
         let mut heard = Heard::<S> { audio: Vec::new(), probes: Vec::new(), level: Level::new(channels) };
@@ -63,7 +64,7 @@ impl Scene {
         }
         let mut wait = Wait::new(progress);
         let played = py.detach(|| {
-            play::play(performance, frames, BLOCK, &mut |_, rows, done| {
+            play::play(performance, length, BLOCK, &mut |_, rows, done| {
                 let (width, first) = (n_out.max(1), heard.audio.len());
                 heard.audio.resize(first + rows.len() / width * channels, S::default());
                 heard.level.keep_rows(rows, width, &mut heard.audio[first..]);
@@ -84,8 +85,9 @@ impl Scene {
             Divergence::of(&played, audited.as_ref().unwrap_or(scene), &self.found, gesture)
         });
         let d = PyDict::new(py);
-        d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
-        d.set_item("probes", table(py, heard.probes, frames as usize, n_out - channels)?)?;
+        let rows = played.frames as usize;
+        d.set_item("audio", table(py, heard.audio, rows, channels)?)?;
+        d.set_item("probes", table(py, heard.probes, rows, n_out - channels)?)?;
         d.set_item("probe_names", scene.probe_names.clone())?;
         d.set_item("probe_of", scene.probe_of.clone())?;
         let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);

@@ -29,6 +29,7 @@ use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
 use ca_lab::catalog;
 use ca_lab::gesture;
+use ca_lab::play::Length;
 use std::path::{Path, PathBuf};
 
 /// A probe as asked.
@@ -67,7 +68,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     border::idle(&args.source, &scene);
     let gesture = gesture(&args.playing, &scene, &output)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
-    let (_, frames) = length(&args.playing, &scene, &performance);
+    let (_, length) = length(&args.playing, &performance);
     let format = match args.format {
         SampleFormat::F32 => Format::F32,
         SampleFormat::I24 => Format::I24,
@@ -81,9 +82,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let mut files = Files::new(wav, outs, scene.channels, scene.rate);
     let played = match &halves {
         Some(h) => {
-            play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| Ok(files.write(rows)?))?
+            play::play_halves(performance, h, gesture.as_ref(), length, show, &mut |rows| Ok(files.write(rows)?))?
         }
-        None => play(performance, frames, play::BLOCK, show, &mut |_, rows| Ok(files.write(rows)?))?,
+        None => play(performance, length, play::BLOCK, show, &mut |_, rows| Ok(files.write(rows)?))?,
     };
     let (ended, slow) = files.finish(played.diverged_at.is_some())?;
     let audited: &Scene = second.as_deref().unwrap_or(&scene);
@@ -92,7 +93,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
             let diverged = played.diverged_at.is_some();
             Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
         }
-        None => play::audit(audited, gesture.as_ref(), frames),
+        None => play::audit(audited, gesture.as_ref(), played.frames),
     };
     let divergence = Divergence::of(&played, audited, &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
@@ -193,8 +194,8 @@ pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Op
     Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""), &mut |what| term::note(what))?)
 }
 
-/// How long it is played \[s\], and in ticks.
-pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u64) {
+/// The longest time that it is played \[s\], and the length in samples.
+pub(crate) fn length(args: &Playing, p: &Performance) -> (f64, Length) {
     let gesture = p.duration();
     let seconds = ca_lab::play::seconds(p, args.seconds);
     if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
@@ -202,7 +203,7 @@ pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u6
             "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
         ));
     }
-    (seconds, ca_lab::play::frames(scene, seconds))
+    (seconds, Length::of(p, args.seconds))
 }
 
 /// The body that is furthest from its rest, ports and fixed points aside.

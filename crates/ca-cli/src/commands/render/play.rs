@@ -5,6 +5,7 @@ use crate::term;
 use ca_core::scene::Halves;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
+use ca_lab::play::Length;
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,16 +60,16 @@ impl Progress {
     }
 }
 
-/// Plays `frames` ticks. After every `block` of them, `heard` gets their outputs, interleaved.
+/// Plays for a length. After every `block` of them, `heard` gets their outputs, interleaved.
 pub(crate) fn play<'a>(
     p: Performance<'a>,
-    frames: u64,
+    length: Length,
     block: u64,
     show: bool,
     heard: &mut Sink,
 ) -> Result<Played<'a>, Failure> {
-    let mut progress = Progress::new(frames, show);
-    let played = ca_lab::play::play(p, frames, block, &mut |p, rows, done| {
+    let mut progress = Progress::new(length.frames, show);
+    let played = ca_lab::play::play(p, length, block, &mut |p, rows, done| {
         heard(p, rows)?;
         progress.step(done)
     })?;
@@ -81,12 +82,12 @@ pub(crate) fn play_halves<'a>(
     p: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
-    frames: u64,
+    length: Length,
     show: bool,
     heard: &mut dyn FnMut(&[f64]) -> Result<(), Failure>,
 ) -> Result<Played<'a>, Failure> {
-    let mut progress = Progress::new(frames, show);
-    let played = ca_lab::play::play_halves(p, halves, gesture, (frames, BLOCK), &mut |rows, done| {
+    let mut progress = Progress::new(length.frames, show);
+    let played = ca_lab::play::play_halves(p, halves, gesture, (length, BLOCK), &mut |rows, done| {
         heard(rows)?;
         progress.step(done)
     })?;
