@@ -105,7 +105,7 @@ impl Recorder {
             return Err(format!("the model has no port `{name}`; {}", all()));
         };
         let device = self.scene.inputs[input].device.as_ref();
-        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && s.frames > 0)) {
+        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && d.1 < s.dof)) {
             return Err(format!("`{name}` is moved by its device, `{}`", device.0));
         }
         if !value.is_finite() || over.is_nan() {
