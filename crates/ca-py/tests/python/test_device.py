@@ -12,7 +12,7 @@ import pytest
 
 import cordis_anima as ca
 from cordis_anima import device
-from cordis_anima.device import Device
+from cordis_anima.device import Device, Status
 
 
 class Lines:
@@ -140,6 +140,45 @@ def test_a_frame_says_which_force_was_held_and_why_there_is_none() -> None:
     d.force()
     d.send([0.0, 0.0])
     assert device.CAUSES[d.sends.sent[-1].cause] == "WATCHDOG_OUT"
+
+
+def test_what_a_frame_says_of_the_hardware_is_public() -> None:
+    d = Alone("finger", 2, simulated=True)
+    assert d.status == Status.CONNECTED | Status.POWERED | Status.CALIBRATED | Status.SIMULATED
+    d.send([0.0, 0.0], velocity=[0.5, math.nan], mask=0b01, deadman=True)
+    frame = d.sends.sent[-1]
+    assert (frame.mask, frame.vel_mask, list(frame.vel[:2])) == (1, 1, [0.5, 0.0])
+    assert frame.status == int(d.status | Status.DEADMAN)
+    d.status &= ~Status.POWERED
+    d.send([0.0, 0.0])
+    frame = d.sends.sent[-1]
+    assert (frame.mask, frame.vel_mask, frame.status) == (3, 0, 1 | 4 | 256)
+    for wrong in [{"mask": 4}, {"mask": -1}, {"cause": "TIRED"}, {"velocity": [1.0]}]:
+        with pytest.raises(ca.UsageError):
+            d.send([0.0, 0.0], **wrong)  # type: ignore[arg-type]
+
+
+def test_acknowledgement_and_latency_are_public(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = time.monotonic_ns()
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now)
+    d = Alone("finger", 2)
+    assert d.ack == 0 and d.latency is None
+    d.send([0.0, 0.0])
+    now += 2_000_000
+    d.hear(1, 0, ack_session=d._session, ack=1)
+    d.force()
+    assert d.ack == 1 and d.latency == pytest.approx(0.002)
+    # of a position that was measured before that force acted
+    d.send([0.0, 0.0], ack=0)
+    assert d.sends.sent[-1].ack == 0
+    d.send([0.0, 0.0])
+    assert d.sends.sent[-1].ack == 1
+    # an answer to another process, or to nothing, says nothing
+    now += 5_000_000
+    d.hear(2, 0, ack_session=d._session + 1, ack=3)
+    d.hear(3, 0, ack_session=d._session, ack=0)
+    d.force()
+    assert d.ack == 3 and d.latency == pytest.approx(0.002)
 
 
 def test_it_says_what_it_is_once_a_second() -> None:
