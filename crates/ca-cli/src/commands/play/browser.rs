@@ -111,9 +111,10 @@ fn is_sandboxed(command: &str) -> bool {
     let word = command.split_whitespace().find(|w| *w != "env" && !w.contains('=')).unwrap_or_default();
     let program = word.trim_matches('"');
     let paths = env::var_os("PATH").unwrap_or_default();
-    let found = match program.contains('/') {
-        true => Some(PathBuf::from(program)),
-        false => env::split_paths(&paths).map(|d| d.join(program)).find(|p| p.is_file()),
+    let found = if program.contains('/') {
+        Some(PathBuf::from(program))
+    } else {
+        env::split_paths(&paths).map(|d| d.join(program)).find(|p| p.is_file())
     };
     let real = found.and_then(|f| fs::canonicalize(f).ok());
     let script = |path: &Path| {
