@@ -63,4 +63,6 @@ pub struct Options {
     pub whole: bool,
     /// device ports that are coupled to their links, since their device cannot render these
     pub couplings: Vec<Coupling>,
+    /// begin as by this older [`ca_core::ARITHMETIC`], for takes; as by the one of now if `None`
+    pub arithmetic: Option<u32>,
 }

@@ -154,7 +154,7 @@ pub struct Law {
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], tick_dt: f64, out: &mut [f64]),
     /// see [`Phi::start`](crate::law::Phi::start)
-    pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
+    pub start: fn(c: &[Real], at: [Real; 2], mem: &mut [Real]),
     /// see [`Phi::force`](crate::law::Phi::force)
     pub force: Force,
     /// what it stores and loses

@@ -58,6 +58,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
+        arithmetic: None,
     };
     let mut scene = load::scene(&loaded, &options)?;
     let second = scene.audited.take();
