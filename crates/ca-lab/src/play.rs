@@ -192,7 +192,7 @@ impl std::fmt::Display for Divergence {
 /// What the warnings of the compiler offer against the divergence of `module`: those that name it come first.
 fn fix(findings: &Diags, module: &str) -> Option<String> {
     let list = || findings.list.iter();
-    let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
+    let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W107" | "W110" | "W105" | "W117");
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()
@@ -236,10 +236,10 @@ pub fn unbalanced(b: &Balance) -> Option<f64> {
     (!balances).then_some(b.residual)
 }
 
-/// What the scheme made out of nothing, where that is most of the energy there ever was \[J\]: then it is what is heard, and not the
-/// model. What was put in would be no measure, since what falls has its energy of its weight.
+/// The energy made by the scheme, if it exceeds the energy received from load, ports, changes and weight \[J\]. The sound is then
+/// that of the error.
 pub fn made(b: &Balance) -> Option<f64> {
-    (b.scheme_error > (0.5 * b.peak).max(NOTHING)).then_some(b.scheme_error)
+    (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }
 
 /// The gain that would just fit, three digits, towards zero.
