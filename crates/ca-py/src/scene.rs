@@ -185,6 +185,9 @@ impl Scene {
         d.set_item("stiffest", &c.stiffest)?;
         d.set_item("depth", c.depth.clone())?;
         d.set_item("friction", c.friction)?;
+        d.set_item("closed", c.closed)?;
+        d.set_item("decides", &c.decides)?;
+        d.set_item("open", &c.open)?;
         d.set_item("not_judged", c.not_judged.clone())?;
         Ok(d)
     }

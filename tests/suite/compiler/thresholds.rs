@@ -83,12 +83,20 @@ fn limits() -> Vec<Limit> {
         }),
         ("W104", "may make energy", 1.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         ("W104", "makes energy at every blow", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+        // a + 2b, of stiffness, of viscosity, and of both
+        ("W117", "the limit is 4", 4.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+        ("W117", "the limit is 4", 2.0, |b| link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))),
+        ("W117", "the limit is 4", 3.0, |a| link("BUT", &format!("k = {:?}, z = {:?}", k(a), z(0.5)))),
+        ("W117", "the limit is 4", 4.0, |a| link("PLK", &format!("k = {:?}, d = 1", k(a)))),
         // a chain of 0.9 with b more at one mass has the largest eigenvalue 1.8 + sqrt(1.8² + b²)
         ("W107", "the limit is 4", 1.264_911, held),
         ("W112", "has a support softer than itself", 100.0, lpr),
         // slope·T/m is f/(v0 m) T
         ("W113", "stay below 1.5", 1.5, |a| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\"", z(a)))
+        }),
+        ("N206", "below 4", 4.0, |b| {
+            link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\", method = \"newton\"", z(b)))
         }),
         // 1 % of the half of the sound rate are left to the filter
         ("E023", "stay below 23760 Hz", 23_760.0, |f| rate(&format!("filter = {f:?}"))),

@@ -3,6 +3,7 @@
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
 pub mod certificate;
+pub mod growth;
 mod halves;
 mod identity;
 #[cfg(not(single))]

@@ -68,14 +68,20 @@ class Certificate(NamedTuple):
     ripple: float | None
     #: the module nearest to the limit; empty where nothing has one
     worst: str
-    #: largest kT²/m of a contact; up to 1 is safe
+    #: largest kT²/m of an explicit contact; a rule of thumb keeps it below 1, and no value is without growth
     contact: float
     #: the contact it belongs to
     stiffest: str
     #: of contacts by a power of their depth, the one whose slope·T²/m reaches 1 first, and the depth [m] at which it does
     depth: tuple[str, float] | None
-    #: steepest friction against the masses, slope·T/m; up to 1.5 is safe
+    #: steepest friction against the masses, slope·T/m; above 1.5 what should stick rings
     friction: float
+    #: largest T²k/m + 2Tz/m of a contact while it presses; from 4 on it is unstable by itself
+    closed: float
+    #: the link that decides where the level is ``rule of thumb``; else empty
+    decides: str
+    #: hardening links with an unknown largest elongation: judged at rest
+    open: list[str]
     #: items with masses that nothing hears: they are left out, and nothing is said of them
     not_judged: list[str]
 

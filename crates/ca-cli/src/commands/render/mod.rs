@@ -9,8 +9,8 @@ mod summary;
 
 pub(crate) use play::{listen, play, stopped};
 pub(crate) use summary::{
-    Divergence, decibel, deepening, fitting, grows, joule, level, makers, relative, rippling, stability,
-    stability_json, tenths, too_loud,
+    Divergence, contacting, decibel, deepening, fitting, grows, joule, level, makers, opened, relative, rippling,
+    stability, stability_json, tenths, too_loud,
 };
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};

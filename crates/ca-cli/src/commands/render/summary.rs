@@ -12,6 +12,7 @@ use ca_core::Scene;
 use ca_core::kind::Unit;
 use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
+use ca_core::scene::growth::Growth;
 use ca_core::state::Ledger;
 use ca_io::ending::Ended;
 use ca_io::slow::EDGE;
@@ -102,7 +103,7 @@ impl Summary<'_> {
         self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || energy
     }
 
-    /// What the scheme made, where that is most of the energy there was \[J\].
+    /// The energy made by the scheme, if it exceeds the energy received \[J\].
     fn made(&self) -> Option<f64> {
         made(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
@@ -177,7 +178,8 @@ impl Summary<'_> {
                 makers(self.audited, &audit.ledger, NAMED).into_iter().map(|(name, _)| name).collect();
             let links = ticked(links.iter().map(String::as_str));
             let by = if links.is_empty() { "the rate boundary of a group" } else { &links };
-            let what = format!("{by} made most of the energy there was out of nothing, {}", joule(made));
+            let received = joule(audit.ledger.balance().received);
+            let what = format!("{by} made {} out of nothing, more than the {received} that were received", joule(made));
             let help = "what is heard is the error of the scheme; soften it; a contact may have `method = \"stable\"`";
             term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
@@ -392,7 +394,21 @@ pub(crate) fn stability(c: &Certificate) -> String {
             format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
         }
     };
-    format!("{}, {margin}{worst}{silent}", c.level)
+    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
+    format!("{}{by}, {margin}{worst}{silent}", c.level)
+}
+
+/// The stiffest explicit contact, and what such contacts were measured to make.
+pub(crate) fn contacting(c: &Certificate) -> Option<String> {
+    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
+    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
+}
+
+/// Links that are judged at rest only.
+pub(crate) fn opened(c: &Certificate) -> Option<String> {
+    let names = ticked(c.open.iter().map(String::as_str));
+    (!c.open.is_empty())
+        .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 
 /// What the energy of a linearised scene may do, in words.
@@ -406,7 +422,7 @@ pub(crate) fn rippling(ripple: f64) -> String {
 /// Of contacts that grow with their depth, which is too steep first, and where.
 pub(crate) fn deepening((name, depth): &(String, f64)) -> String {
     let depth = show(rounded(*depth, 3), Unit::METRE);
-    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}, deeper it may make energy")
+    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")
 }
 
 /// What is proven, for programs.
@@ -416,6 +432,6 @@ pub(crate) fn stability_json(c: &Certificate) -> Json {
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
         "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
         "depth": c.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.friction,
-        "not_judged": c.not_judged,
+        "closed": c.closed, "decides": c.decides, "open": c.open, "not_judged": c.not_judged,
     })
 }

@@ -44,6 +44,7 @@ impl Law {
             energies: Energies::of::<P, C, M>(),
             idle: |c| P::idle(&numbers(c)),
             bound: |c, tables| P::bound(&numbers(c), tables),
+            steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
             kernel: kernel::<P, C, M>,
             simpler: |_| None,
             table: None,
