@@ -2,7 +2,6 @@
 
 use super::{AccuracyOptions, measured};
 use crate::load::Loaded;
-use ca_model::read;
 
 /// Two masses between walls, with three lossless contacts.
 const CONTACTS: &str = "[SOL]\nl = { x = -0.01 }\nr = { x = 0.0137 }\n[MAS]\nb = { m = 1e-3, v = 0.731 }\nq = { m = 2e-3, x = 5e-3, v = -0.3 \
@@ -38,8 +37,7 @@ fn by_hand(frames: usize) -> Vec<f64> {
 /// An order that the scheme cannot have is chance, and a reference carried on by it is off by ten times what was said.
 #[test]
 fn a_reference_with_contacts_is_known_as_well_as_is_said() {
-    let (model, diags) = read::read(CONTACTS, "contacts.ca.toml", &crate::catalog());
-    let loaded = Loaded { model, diags, name: "contacts".into(), clouds: Default::default() };
+    let loaded = Loaded::read(CONTACTS, "contacts.ca.toml");
     let mut go_on = |_: u64, _: u64| true;
     let mut ask = AccuracyOptions {
         rate: None,
