@@ -1,4 +1,4 @@
-//! How often explicit contacts make energy: a ball between two walls, without losses, from drawn starts (docs/numerics.md §3.2).
+//! Measures the growth of explicit contacts: a lossless ball between two walls, from drawn starts (docs/numerics.md §3.2).
 //!
 //! Draws stiffness, place and speed, since one value alone may hit a stiffness that makes nothing at any phase. Draws by products and
 //! sums only, so that every machine plays the same starts.
@@ -31,7 +31,7 @@ pub fn grew(stiffness: f64) -> u32 {
     (0..STARTS).map(|_| u32::from(grows(stiffness, &mut drawn))).sum()
 }
 
-/// Whether one does.
+/// True of a start that does.
 fn grows(stiffness: f64, drawn: &mut Drawn) -> bool {
     let k = stiffness * (0.7 + 0.7 * drawn.next()) * MASS * RATE * RATE;
     let x = WALLS[0] + (WALLS[1] - WALLS[0]) * drawn.next();

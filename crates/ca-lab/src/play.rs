@@ -237,7 +237,7 @@ pub fn unbalanced(b: &Balance) -> Option<f64> {
 }
 
 /// The energy made by the scheme, if it exceeds the energy received from load, ports, changes and weight \[J\]. The sound is then
-/// that of the error.
+/// an error of the scheme.
 pub fn made(b: &Balance) -> Option<f64> {
     (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }

@@ -80,7 +80,7 @@ fn a_spring_that_hardens_is_judged_at_its_energy() {
     assert!(steep.certificate.margin() < 1.0 && found(&steep, "W107", "energy at load"), "{:?}", steep.findings.list);
 }
 
-/// At a port the stroke of its built-in gesture counts; without one nobody knows, and that is said.
+/// A spring at a port is judged at the stroke of its built-in gesture. Without a gesture the certificate lists it as open.
 #[test]
 fn a_spring_at_a_port_is_judged_at_its_stroke() {
     let text = |gesture: &str| {

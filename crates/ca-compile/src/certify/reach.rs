@@ -1,9 +1,9 @@
-//! How far a link is drawn out whose slope grows with its elongation, and so at which slope it is judged.
+//! Computes the largest elongation of a hardening link, and its slope there.
 //!
-//! A scene that nobody drives holds at most its energy at load, so a link goes no further than to where it would hold all of it. A
-//! tick adds one step: from an elongation e with the potential U(e) the speed is at most √(2(E − U)/m), so the largest
-//! e + T√(2(E − U)/m) is taken. A spring at a port with a built-in gesture is judged at the stroke of that port, as if its other end
-//! stood still; a contact is not, since what it presses gives way. Of all other links nobody knows how far they go.
+//! A scene without ports holds at most its energy at load, which bounds the potential U(e) of each link. A tick adds one step: at an
+//! elongation e the speed is at most √(2(E − U)/m), so the reach is the largest e + T√(2(E − U)/m). A spring at a port with a built-in
+//! gesture is judged at the stroke of that port, as if its other end stood still. A contact at a port is not, because the other end
+//! gives way. The reach of all other links is unknown.
 
 use crate::net::worst::WorstMat;
 use crate::net::{LiaNode, MatNode, MatRole, Pruned, elongation, linearisation};
@@ -41,8 +41,7 @@ pub struct Reached {
     pub cause: Cause,
 }
 
-/// Where the slope of each link is steepest within reach: `None` of links whose slope is the same everywhere, and where nobody knows
-/// how far they go.
+/// The steepest place of each link within reach; `None` of links with one slope, and of an unknown reach.
 pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<Reached>> {
     let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
     let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && !l.law.is_staged());
@@ -53,7 +52,7 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
         }
         let start = elongation::at_load(net, l)?;
         let law = Link::new(net, l);
-        // what a port presses gives way, so that its stroke is no depth
+        // the other end of a contact gives way to a port
         let stroke = if b.contact { None } else { stroke(net, l) };
         let (between, cause) = match (energy, stroke) {
             (Some(energy), _) => {
@@ -85,13 +84,13 @@ impl<'n> Link<'n> {
         Link { net, l, coefs, rounded }
     }
 
-    /// What it stores at elongation `e` \[J\].
+    /// Its potential at elongation `e` \[J\].
     fn stored(&self, e: f64) -> f64 {
         let (c, e) = (&self.rounded[..], real(e));
         wide((self.l.law.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e))
     }
 
-    /// How far it goes to one `side` of 0 with this energy \[J\] and mobility T²/m \[m/N\].
+    /// The largest elongation to one `side` of 0 with this energy \[J\] and mobility T²/m \[m/N\].
     fn farthest(&self, side: f64, energy: f64, c: f64) -> f64 {
         let mut high = 1e-12;
         while self.stored(side * high) < energy && high < FAR {

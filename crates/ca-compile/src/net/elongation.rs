@@ -3,7 +3,7 @@
 use crate::net::{End, LiaNode, Measure, Wired};
 use ca_core::kind::Role;
 
-/// What two ends at rest add to the elongation beside what the kernel measures, and their distance.
+/// The elongation of two ends at rest that the kernel does not measure, and their distance.
 fn at_rest(net: &Wired, ends: [End; 2], measure: Measure) -> (f64, f64) {
     let v = net.apart(ends);
     match measure {

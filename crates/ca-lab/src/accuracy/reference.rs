@@ -118,7 +118,7 @@ fn carried(
 /// The largest order of a model's method. A larger measured order is chance: contacts close at other phases of a tick at each rate.
 fn highest(loaded: &Loaded) -> f64 {
     let model = &loaded.model;
-    // a force with a bend has no fourth order by any method
+    // by no method is a force with a bend of fourth order
     if model.items.iter().any(|i| BENDS.contains(&i.kind.as_str())) {
         return 2.0;
     }

@@ -1,4 +1,4 @@
-//! What a reference is said to be known to, against an independent computation.
+//! Compares the stated error of a reference with an independent computation.
 
 use super::{AccuracyOptions, measured};
 use crate::load::Loaded;
