@@ -150,7 +150,7 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
     let most = Held::new(scene, p).most;
     // of one that says later what it is, the most is known
     let gives = p.force > 0.0 || p.is_unknown();
-    if !p.guard.coupling || !gives || !(most > 0.0 && most.is_finite()) {
+    if !(p.guard.coupling && gives && most > 0.0 && most.is_finite()) {
         return Vec::new();
     }
     // ports by the MAT they move, whose axes share a coupling: stiffness in the hand, and degrees of freedom
@@ -166,7 +166,9 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
         mat.2.push(*dof);
     }
     for (k, _, dofs) in mats.values() {
-        dofs.iter().for_each(|d| *sums.entry(*d).or_default() += k);
+        for d in dofs {
+            *sums.entry(*d).or_default() += k;
+        }
     }
     let tick_dt = scene.sample_dt / f64::from(scene.oversample());
     let soften = |(port, (k, gain, dofs)): (String, (f64, f64, Vec<u32>))| {
@@ -239,19 +241,15 @@ pub fn meet<E>(
     let stable = |c: &Compiled| {
         c.scene.certificate.level != Level::Unstable || compiled.scene.certificate.level == Level::Unstable
     };
-    match again(options).ok().filter(stable) {
-        Some(coupled) => {
-            let compiled = Compiled { findings: compiled.findings, ..coupled };
-            Met { compiled, softened, failed: None }
-        }
-        None => {
-            options.couplings.clear();
-            let first = softened.first().map_or("", |s| &s.coupling.port);
-            let failed = format!(
-                "`{first}` is stiffer than its device holds, and no coupling fits the model: it can shake in the hand \
-                 (`ca check --device`); make it softer"
-            );
-            Met { compiled, softened: Vec::new(), failed: Some(failed) }
-        }
+    if let Some(coupled) = again(options).ok().filter(stable) {
+        let compiled = Compiled { findings: compiled.findings, ..coupled };
+        return Met { compiled, softened, failed: None };
     }
+    options.couplings.clear();
+    let first = softened.first().map_or("", |s| &s.coupling.port);
+    let failed = format!(
+        "`{first}` is stiffer than its device holds, and no coupling fits the model: it can shake in the hand \
+         (`ca check --device`); make it softer"
+    );
+    Met { compiled, softened: Vec::new(), failed: Some(failed) }
 }

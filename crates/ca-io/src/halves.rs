@@ -127,7 +127,7 @@ impl Part<'_> {
 pub type Sink<'a, E> = dyn FnMut(&[f64], u64) -> Result<(), E> + 'a;
 
 /// Plays a scene, `whole`, that has not begun, as its `halves`. `gesture` is the gesture of `whole`. After every `block` of
-/// samples, `heard` gets their outputs. Returns `whole` at its end. Where the sound has died away before the length is over, the
+/// samples, `heard` gets their outputs. Returns `whole` at its end. If the sound has died away before the length is over, the
 /// second half is some blocks ahead, and so are its places.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Length: how long a scene is played, and when a sound has died away.
 //!
-//! Decides that a MIDI file is played to its last event and until the sound has died away, whatever the model asks for its own
+//! A MIDI file is played to its last event and until the sound has died away, whatever the model asks for its own
 //! gesture: how long that takes is not known before, so the sound itself tells. It has a bound, since a sound may never end.
 
 use crate::ending::QUIET;
@@ -9,7 +9,7 @@ use crate::perform::{Performance, frames, seconds};
 /// Seconds of a sound that are quiet, one after the other, before it ends: longer than beats and the slowest period that is heard.
 const HOLD: f64 = 0.5;
 
-/// How long a scene is played.
+/// The length of a play.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Length {
     /// samples, at most
@@ -17,7 +17,7 @@ pub struct Length {
     fading: Option<Fading>,
 }
 
-/// What was heard of a sound that ends by itself.
+/// The state of a sound that ends by itself.
 #[derive(Clone, Debug, PartialEq)]
 struct Fading {
     /// samples up to the last event, and those that are to be quiet
@@ -50,8 +50,8 @@ impl Length {
         Length { frames: frames(p.scene, seconds(p, asked)), fading }
     }
 
-    /// Hears rows of `n_out` numbers, the first `channels` of which are sound. False once all is over: after the last event of a
-    /// MIDI file, where the sound has been 60 dB below its peak for half a second.
+    /// Hears rows of `n_out` numbers; the first `channels` of each are sound. Returns false once the play is over: after the last
+    /// event of a MIDI file, if the sound has been 60 dB below its peak for half a second.
     pub fn hear(&mut self, rows: &[f64], n_out: usize, channels: usize) -> bool {
         let Some(f) = &mut self.fading else { return true };
         for row in rows.chunks_exact(n_out.max(1)) {

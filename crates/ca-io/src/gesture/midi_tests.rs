@@ -89,7 +89,8 @@ fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark()
 
 #[test]
 fn all_tracks_are_read_whatever_the_header_announces() {
-    let (one, two): (&[(u32, &[u8])], &[(u32, &[u8])]) = (&[(0, HIT)], &[(500, HIT)]);
+    let one: &[(u32, &[u8])] = &[(0, HIT)];
+    let two: &[(u32, &[u8])] = &[(500, HIT)];
     let mut bytes = file(1, MS, &[one, two]);
     assert!(read(&bytes, &[key()]).unwrap().remarks().is_empty());
     bytes[11] = 1;

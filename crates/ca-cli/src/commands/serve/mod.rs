@@ -144,7 +144,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    softened.into_iter().for_each(|text| recorder.say(true, text));
+    for text in softened {
+        recorder.say(true, text);
+    }
     let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?.unzip();
     ends.audio = follow;
     let events = playing.as_mut().and_then(audio::Playing::events);

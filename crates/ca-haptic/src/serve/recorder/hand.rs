@@ -92,7 +92,7 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
     }
 
-    /// Sends a position port, or a device key whose device has said nothing, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
+    /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
     /// In words, where there is no such port, it is that of a device, or the engine takes no order.
