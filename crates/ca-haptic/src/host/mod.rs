@@ -18,6 +18,7 @@
 //! users cannot know its names before they are used (`prefix`), their files under such names are ignored (`ours`), and
 //! opening has a limit of time (`within`).
 
+mod claim;
 pub mod client;
 pub mod control;
 mod error;

@@ -17,6 +17,10 @@ use ca_lab::take::dofs;
 use ca_model::quantity::{show, six};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Delay of claims by a server without the control, so that the server with the control is first.
+const SECOND: Duration = Duration::from_millis(300);
 
 /// Open lines; none for a scene that needs none.
 pub(super) struct Talk {
@@ -33,8 +37,8 @@ pub(super) struct Talk {
 }
 
 impl Talk {
-    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` and
-    /// without devices goes without: it is set in its page.
+    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` goes without: it
+    /// is set and armed in its page. The other server has a device first that both name.
     pub(super) fn open(
         setups: &[Setup],
         unknown: Vec<Option<Profile>>,
@@ -64,13 +68,19 @@ impl Talk {
         let site = Site::of_user()?;
         if !names.is_empty() {
             site.sweep();
-            let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
-            talk.gateway = Some(Gateway::start(&site, &names, rings, request)?);
         }
         match ControlServer::open(&site) {
             Ok(control) => talk.control = Some(control),
-            Err(e) if page && names.is_empty() => term::note(&format!("`ca set` does not reach this one: {e}")),
+            Err(e) if page => {
+                let verbs = if names.is_empty() { "`ca set` does" } else { "`ca set`, `ca arm` and `ca disarm` do" };
+                term::note(&format!("{verbs} not reach this one, its page does: {}", e.what));
+            }
             Err(e) => return Err(e.into()),
+        }
+        if !names.is_empty() {
+            let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
+            let after = if talk.control.is_some() { Duration::ZERO } else { SECOND };
+            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after)?);
         }
         talk.site = Some(site);
         Ok(talk)
@@ -110,6 +120,9 @@ impl Talk {
             match event {
                 Event::Here { session } => recorder.say(false, format!("{name}: here (session {session:x})")),
                 Event::Gone => recorder.say(true, format!("{name}: gone")),
+                Event::Taken(who) => {
+                    recorder.say(true, format!("{who}; that process keeps the device until it ends"));
+                }
                 Event::Foreign(why) => {
                     let fix = why.fix();
                     recorder.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));

@@ -87,6 +87,8 @@ fn a_device_that_cannot_be_had_is_an_error() {
     stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no device of that name", "ca device list"]);
     // the server has it
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let _device = stage.key(&["--script", "hold"]);
+    until("it speaks", || stage.state().2 > 100);
     stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
 }
 
