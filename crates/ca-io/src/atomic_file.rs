@@ -6,12 +6,16 @@
 //! one step. What is not finished removes itself; after a kill the sibling stays and says by its name what it is.
 //! A symbolic link keeps pointing, a file keeps the rights to read it, and other users may never write it; what is not a plain file (`/dev/null`) is written
 //! straight, never replaced.
+//!
+//! A pipe, a FIFO and standard output get their bytes at the end, from a temporary file without a name: formats whose header
+//! holds the length go back to it, and a pipe cannot. So a pipe gets the bytes that a file would have. Writing the header first,
+//! with the greatest length that it can hold, was the alternative; not all readers of WAV take that.
 
 use crate::error::{FileError, FileErrorKind};
 use std::collections::hash_map::RandomState;
 use std::fs::{self, File};
 use std::hash::{BuildHasher as _, Hasher as _};
-use std::io::Write as _;
+use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Mode of a file at most, whatever the umask of the process: other users read it.
@@ -25,7 +29,7 @@ const PRIVATE: u32 = 0o600;
 /// If there is one, or it cannot be made.
 pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
     let mut options = File::options();
-    options.write(true).create_new(true);
+    options.read(true).write(true).create_new(true);
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
     #[cfg(not(unix))]
@@ -44,6 +48,9 @@ fn kept(about: &fs::Metadata) -> fs::Permissions {
     about.permissions()
 }
 
+/// Bytes that go to a pipe at once.
+const ROOM: usize = 1 << 16;
+
 /// Where the bytes go until they are all there.
 #[derive(Debug)]
 pub struct AtomicFile {
@@ -51,7 +58,23 @@ pub struct AtomicFile {
     target: PathBuf,
     /// the sibling, until it has become the target; `None` where the target is written straight
     part: Option<PathBuf>,
+    /// where the bytes of `file` go at the end, where that is a pipe
+    pipe: Option<File>,
     file: File,
+}
+
+/// True for paths that mean standard output: `-` and the names of the system.
+pub fn is_stdout(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+/// Another handle to standard output. Opening its name again would begin at the start of a file that it is redirected to.
+fn stdout() -> std::io::Result<File> {
+    #[cfg(unix)]
+    let owned = std::os::fd::AsFd::as_fd(&std::io::stdout()).try_clone_to_owned();
+    #[cfg(windows)]
+    let owned = std::os::windows::io::AsHandle::as_handle(&std::io::stdout()).try_clone_to_owned();
+    owned.map(File::from)
 }
 
 /// Writes a file, in place of one that is there.
@@ -102,7 +125,7 @@ fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
 }
 
 impl AtomicFile {
-    /// Begins a file.
+    /// Begins a file; at a path that [`is_stdout`] its bytes go to standard output.
     ///
     /// # Errors
     /// Where no file can be there.
@@ -123,6 +146,16 @@ impl AtomicFile {
             let err = FileError::io(path, "it cannot be written", e);
             if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
         };
+        let through = |pipe: File| {
+            let file = tempfile::tempfile().map_err(|e| {
+                let e = FileError::io(path, "no temporary file can be made for it", &e);
+                e.fix("name a folder with room by `TMPDIR`")
+            })?;
+            Ok(AtomicFile { target: path.to_owned(), part: None, pipe: Some(pipe), file })
+        };
+        if is_stdout(path) {
+            return through(stdout().map_err(|e| fail(&e))?);
+        }
         let target = followed(path).map_err(|e| fail(&e))?;
         match fs::metadata(&target) {
             Ok(m) if m.is_dir() => {
@@ -130,8 +163,11 @@ impl AtomicFile {
                 return Err(e.fix("give the name of a file"));
             }
             Ok(m) if !m.is_file() => {
-                let file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
-                return Ok(AtomicFile { target, part: None, file });
+                let mut file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
+                if file.stream_position().is_err() {
+                    return through(file);
+                }
+                return Ok(AtomicFile { target, part: None, pipe: None, file });
             }
             _ => {}
         }
@@ -147,7 +183,18 @@ impl AtomicFile {
             // a file system without rights has none to keep
             let _ = file.set_permissions(rights);
         }
-        Ok(AtomicFile { target, part: Some(part), file })
+        Ok(AtomicFile { target, part: Some(part), pipe: None, file })
+    }
+
+    /// A file without a name on the same disk, or where temporary files are if this is a pipe; it is gone when it is closed.
+    ///
+    /// # Errors
+    /// If the system refuses it.
+    pub fn scratch(&self) -> Result<AtomicFile, FileError> {
+        let folder = self.part.as_deref().and_then(Path::parent);
+        let here = |p: &Path| if p.as_os_str().is_empty() { PathBuf::from(".") } else { p.to_owned() };
+        let file = tempfile::tempfile_in(folder.map_or_else(std::env::temp_dir, here)).map_err(|e| self.fail(&e))?;
+        Ok(AtomicFile { target: self.target.clone(), part: None, pipe: None, file })
     }
 
     fn fail(&self, e: &std::io::Error) -> FileError {
@@ -158,7 +205,7 @@ impl AtomicFile {
         (&self.file).write_all(bytes).map_err(|e| self.fail(&e))
     }
 
-    /// Another handle to the same file, for a writer to own.
+    /// Another handle to the same file, for a writer to own; for plain files and pipes what was written can be read by it.
     ///
     /// # Errors
     /// Where the system has no more of them.
@@ -166,16 +213,29 @@ impl AtomicFile {
         self.file.try_clone().map_err(|e| self.fail(&e))
     }
 
-    /// Whether the target is a plain file, in which one can go back.
+    /// True for a plain file.
     pub fn is_plain(&self) -> bool {
         self.part.is_some()
     }
 
-    /// Puts the finished file in its place. All that was written must have been flushed.
+    /// True for a pipe: bytes that were sent cannot be taken back.
+    pub fn is_pipe(&self) -> bool {
+        self.pipe.is_some()
+    }
+
+    /// Puts the finished file in its place, or sends it through its pipe. All that was written must have been flushed.
     ///
     /// # Errors
     /// Where it cannot be put there; what was there stays.
     pub fn commit(mut self) -> Result<(), FileError> {
+        if let Some(mut pipe) = self.pipe.take() {
+            self.send(&mut pipe).map_err(|e| match e.kind() {
+                std::io::ErrorKind::BrokenPipe => {
+                    FileError::new(FileErrorKind::Left, "its reader went away").file(self.target.display())
+                }
+                _ => self.fail(&e),
+            })?;
+        }
         if let Some(part) = self.part.take() {
             let done = self.file.sync_all().and_then(|()| fs::rename(&part, &self.target));
             if let Err(e) = done {
@@ -184,6 +244,17 @@ impl AtomicFile {
             }
         }
         Ok(())
+    }
+
+    fn send(&mut self, pipe: &mut File) -> std::io::Result<()> {
+        self.file.rewind()?;
+        let mut bytes = vec![0; ROOM];
+        loop {
+            match self.file.read(&mut bytes)? {
+                0 => return pipe.flush(),
+                n => pipe.write_all(&bytes[..n])?,
+            }
+        }
     }
 }
 
@@ -305,8 +376,33 @@ mod tests {
         let null = dir.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null).unwrap();
         let s = AtomicFile::create(&null).unwrap();
-        assert!(!s.is_plain());
+        assert!(!s.is_plain() && !s.is_pipe());
         s.commit().unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    /// A header that is written last arrives first, through a FIFO too.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_gets_the_bytes_of_a_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let fifo = dir.path().join("fifo");
+        assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+        let from = fifo.clone();
+        let reader = std::thread::spawn(move || fs::read(from).unwrap());
+        let staged = AtomicFile::create(&fifo).unwrap();
+        let mut file = staged.handle().unwrap();
+        file.write_all(&vec![b'x'; 100_000]).unwrap();
+        file.rewind().unwrap();
+        file.write_all(b"head").unwrap();
+        staged.commit().unwrap();
+        assert!(reader.join().unwrap() == [&b"head"[..], &vec![b'x'; 100_000 - 4]].concat());
+        // a closed pipe is another error than a full disk
+        let from = fifo.clone();
+        let reader = std::thread::spawn(move || drop(File::open(from).unwrap()));
+        let staged = AtomicFile::create(&fifo).unwrap();
+        reader.join().unwrap();
+        staged.handle().unwrap().write_all(b"x").unwrap();
+        assert_eq!(staged.commit().unwrap_err().kind, FileErrorKind::Left);
     }
 }

@@ -21,6 +21,8 @@ pub enum FileErrorKind {
     Content,
     /// the request does not fit the file: a missing rate, a number of channels
     Usage,
+    /// the reader of a pipe went away
+    Left,
 }
 
 /// Why a file could not be read or written.

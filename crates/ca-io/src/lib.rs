@@ -43,6 +43,7 @@ pub mod cloud;
 pub mod ending;
 pub mod error;
 pub mod files;
+pub mod flac;
 pub mod gesture;
 pub mod halves;
 pub mod length;

@@ -193,6 +193,20 @@ impl WavOut {
     /// Where the file cannot be made, or a WAV cannot have this rate or so many channels.
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
+        WavOut::over(AtomicFile::create(path)?, path, rate, channels, format)
+    }
+
+    /// The same over a file that was begun, which messages call `path`.
+    ///
+    /// # Errors
+    /// As [`WavOut::create`].
+    pub fn over(
+        staged: AtomicFile,
+        path: &Path,
+        rate: f64,
+        channels: usize,
+        format: Format,
+    ) -> Result<WavOut, FileError> {
         if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
             let e =
                 FileError::usage(format!("a WAV file cannot have a rate of {} Hz", Plain(rate))).file(path.display());
@@ -203,7 +217,6 @@ impl WavOut {
             return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
         }
         let header = wav_header::open(format, rate as u32, channels as u16);
-        let staged = AtomicFile::create(path)?;
         let file = staged.handle()?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
         let bytes = header.clone();
@@ -315,7 +328,7 @@ pub fn floats(samples: &[f32], channels: usize, rate: u32) -> Vec<u8> {
     bytes
 }
 
-fn integer(x: f64, full: f64) -> i32 {
+pub(crate) fn integer(x: f64, full: f64) -> i32 {
     (x * full).round_ties_even().min(full - 1.0) as i32
 }
 

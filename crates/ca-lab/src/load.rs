@@ -14,7 +14,7 @@ use ca_model::render::line_column;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
 use cordis_anima::loaded;
-pub use cordis_anima::loaded::stem;
+pub use cordis_anima::loaded::{stem, utf8};
 pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
 

@@ -1,9 +1,11 @@
 //! A model fitted to a recording.
 
+use super::completions;
 use super::equiv::WriteTo;
 use super::{pair, quantity_of};
 use ca_core::kind::Unit;
 use clap::Args;
+use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
 /// Finds numbers of a model by a recorded sound
@@ -23,7 +25,8 @@ use std::path::PathBuf;
   ca fit hammered_string --to target.wav --vary low.f --range low.f='90 Hz..130 Hz' --json
   ca fit fitted.ca.toml --to target.wav --vary low.f,low.t60 --seconds '400 ms' --report fit.html")]
 pub struct FitArgs {
-    /// `*.ca.toml` file or name of a bundled model
+    /// `*.ca.toml` file, name of a bundled model, or `-` for standard input
+    #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// The recording, a WAV file
     #[arg(long, value_name = "FILE.wav")]

@@ -25,9 +25,8 @@ pub fn run(args: &FitArgs) -> Outcome {
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();
-    if args.to_file.in_place && !Path::new(&args.model).exists() {
-        let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
-        return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
+    if args.to_file.in_place {
+        load::own_file(&args.model)?;
     }
     if writes && loaded.is_imported() {
         return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));

@@ -21,9 +21,14 @@ pub(crate) fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind.
+/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind. A second Ctrl-C
+/// does that too, since a pipe without a reader blocks the process.
 pub(crate) fn listen() {
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
 }
 
 /// What is done with outputs.
@@ -50,7 +55,13 @@ impl Progress {
             bar.set_position(done);
         }
         // what is not finished removes itself
-        if stopped() { Err(Failure::Interrupted) } else { Ok(()) }
+        if stopped() {
+            if let Some(bar) = &self.bar {
+                bar.finish_and_clear();
+            }
+            return Err(Failure::Interrupted("interrupted: nothing was written".into()));
+        }
+        Ok(())
     }
 
     fn end(self) {

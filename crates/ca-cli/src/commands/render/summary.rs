@@ -2,7 +2,7 @@
 
 use super::Probe;
 use super::play::Audit;
-use crate::args::{RenderArgs, SampleFormat};
+use crate::args::RenderArgs;
 use crate::commands::{border, inputs};
 use crate::load::ticked;
 use crate::outcome::Failure;
@@ -21,7 +21,6 @@ pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_lab::play::{gain, made, unbalanced};
 use ca_model::quantity::{rounded, show, six};
 use serde_json::{Value as Json, json};
-use std::io::Write as _;
 use std::time::Duration;
 
 /// A peak from which on the loudness is not the question, 40 dB over full scale.
@@ -40,6 +39,8 @@ pub(crate) struct Summary<'a> {
     /// the same with the energy ledger, which knows its links by name
     pub audited: &'a Scene,
     pub written: &'a Written,
+    /// how samples are kept, in words
+    pub format: &'static str,
     pub ended: &'a Ended,
     /// channels of which more than half is too slow to be heard, with the share
     pub slow: Vec<(usize, f64)>,
@@ -197,26 +198,17 @@ impl Summary<'_> {
         words.collect::<Vec<_>>().join(" ")
     }
 
-    fn format(&self) -> &'static str {
-        match self.args.format {
-            SampleFormat::F32 => "32-bit float",
-            SampleFormat::I24 => "24-bit",
-            SampleFormat::I16 => "16-bit",
-        }
-    }
-
     fn real_time_factor(&self) -> f64 {
         self.wall.as_secs_f64() / self.written.duration()
     }
 
     /// The summary for people.
-    pub fn text(&self) -> Result<(), Failure> {
-        let mut out = std::io::stdout().lock();
+    pub fn text(&self, mut out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels =
             if w.level.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.level.peak.len()) };
         let (seconds, khz) = (w.duration(), show(six(self.scene.rate), Unit::HERTZ));
-        writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
+        writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format)?;
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy ledger" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
@@ -310,7 +302,7 @@ impl Summary<'_> {
     }
 
     /// The summary for programs.
-    pub fn json(&self) -> Result<(), Failure> {
+    pub fn json(&self, out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels: Vec<Json> = (0..w.level.peak.len())
             .map(|i| {
@@ -342,7 +334,7 @@ impl Summary<'_> {
         });
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
         let all = json!({
-            "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
+            "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format,
             "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
             "clipped": clipped, "beyond_full_scale": w.level.beyond, "gain": self.ended.gain, "faded": self.ended.faded,
@@ -351,7 +343,7 @@ impl Summary<'_> {
             "degraded": self.degraded(),
             "threads": self.halves.map(|h| json!({"share": h.share, "across": h.across})),
         });
-        writeln!(std::io::stdout().lock(), "{all:#}")?;
+        writeln!(out, "{all:#}")?;
         Ok(())
     }
 }

@@ -4,6 +4,7 @@ mod bench;
 pub mod degraded;
 mod files;
 mod midi;
+mod pipes;
 mod render;
 mod report;
 pub mod sweep;

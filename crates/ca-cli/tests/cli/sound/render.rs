@@ -206,7 +206,7 @@ fn ctrl_c_leaves_nothing_behind() {
         .args(["render", "bar.ca.toml", "--seconds", "20000", "--probe", "bar"])
         .current_dir(&desk.0)
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     // both files stand: the handler was in place before
@@ -219,7 +219,11 @@ fn ctrl_c_leaves_nothing_behind() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130));
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert!(said.contains("interrupted after") && said.contains("of 20000 s: none of it is kept"), "{said}");
+    assert!(said.contains("`bar.wav` was not written"), "{said}");
     assert_eq!(desk.files(), ["bar.ca.toml"]);
 }
 
