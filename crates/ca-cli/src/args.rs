@@ -34,7 +34,7 @@ pub use fit::FitArgs;
 pub use modes::ModesArgs;
 pub use play::PlayArgs;
 pub use report::ReportArgs;
-pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
+pub use serve::{ArmArgs, AudioArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use sweep::SweepArgs;
 pub use take::{LogArgs, LogCommand, ReplayArgs};
 pub use tune::{Scale, TuneArgs};
@@ -105,6 +105,7 @@ pub enum Command {
     Play(PlayArgs),
     Serve(ServeArgs),
     Set(SetArgs),
+    Audio(AudioArgs),
     /// Turns the forces of a running `ca serve` on
     ///
     /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed

@@ -81,6 +81,7 @@ fn run(command: &Command) -> Outcome {
         Command::Play(a) => commands::play::run(a),
         Command::Serve(a) => commands::serve::run(a),
         Command::Set(a) => commands::control::set(a),
+        Command::Audio(a) => commands::control::audio(a),
         Command::Arm(a) => commands::control::arm(a),
         Command::Disarm(a) => commands::control::disarm(a),
         Command::Status(a) => commands::control::status(a),

@@ -114,6 +114,23 @@ pub struct SetArgs {
     pub json: bool,
 }
 
+/// Shows or chooses what plays the sound of a running `ca serve` or `ca play`
+///
+/// Without a name it says what plays, and what may: a server (`jack`, `pulse`), with the feature `audio` a sound device by name, and
+/// `page`, the page of `ca play`. With a name the sound goes there from now on, while the model plays on; what does not open leaves it
+/// where it is. A device that goes away is waited for, and the sound comes back to it.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca audio
+  ca audio --json")]
+pub struct AudioArgs {
+    /// The server, the sound device, or `page`
+    pub device: Option<String>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Of which device forces are turned on or off; what it does is said where the commands are listed.
 #[derive(Args)]
 #[command(after_long_help = "Examples:

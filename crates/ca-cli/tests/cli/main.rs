@@ -170,7 +170,7 @@ const RUN: &[&str] = &[
 ];
 /// Those that speak to a server (`session/serve.rs`) or are devices (`--test loop verbs`), and one whose examples measure this
 /// machine for minutes (`sound/bench.rs` runs it on less).
-const RUN_ELSEWHERE: &[&str] = &["set", "arm", "disarm", "status", "stop", "device", "bench"];
+const RUN_ELSEWHERE: &[&str] = &["set", "audio", "arm", "disarm", "status", "stop", "device", "bench"];
 
 #[cfg(unix)]
 #[test]

@@ -56,6 +56,11 @@ pub enum Request {
         /// one device; all if absent
         device: Option<String>,
     },
+    /// what plays the sound, and what may
+    Audio {
+        /// another one; none to ask
+        to: Option<String>,
+    },
     /// how it goes
     Status,
     /// the end

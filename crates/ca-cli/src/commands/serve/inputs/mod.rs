@@ -77,6 +77,11 @@ impl Inputs {
         self.lifted.clear();
     }
 
+    /// The server of sound is another one, which brings these, or none.
+    pub(super) fn served(&mut self, events: Option<EventReader>) {
+        self.events = events;
+    }
+
     /// What there is, in words.
     pub(super) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
