@@ -150,7 +150,7 @@ impl Gesture {
         rate: Option<f64>,
     ) -> Result<Gesture, FileError> {
         if rate.is_some() && format != GestureFormat::Npy {
-            return Err(FileError::usage("this format tells its own time").fix("leave out its rate (`--gesture-rate`)"));
+            return Err(FileError::usage("this format tells its own time").fix("leave out its rate"));
         }
         match format {
             GestureFormat::Csv => csv::read(bytes),

@@ -97,7 +97,7 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
     let made: Result<Vec<Track>, FileError> = match (time, rate) {
         (Some(_), Some(_)) => {
             let e = FileError::usage("the array has its own `time`, and a rate is given as well");
-            return Err(e.fix("leave out its rate (`--gesture-rate`)"));
+            return Err(e.fix("leave out its rate"));
         }
         (None, None) => {
             let e = FileError::usage("nothing says how fast the array is to be played");
