@@ -2,10 +2,11 @@
 
 use crate::error::{self, file, usage};
 use crate::measure::table;
+use crate::wait::{Wanted, apart};
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// What a hand did or shall do.
 #[pyclass(frozen, module = "cordis_anima._core")]
@@ -102,21 +103,22 @@ impl Gesture {
     /// without times.
     pub fn open(
         py: Python,
-        path: &Path,
-        ports: &[PortMap],
+        path: PathBuf,
+        ports: Vec<PortMap>,
         port: Option<String>,
         rate: Option<f64>,
     ) -> PyResult<Gesture> {
-        let read = || {
-            if ca_lab::load::has_extension(path, "mcap") {
-                ca_haptic::take::gesture(path, &ca_lab::catalog())
+        let named = path.clone();
+        let read = move |_: &Wanted| {
+            if ca_lab::load::has_extension(&path, "mcap") {
+                ca_haptic::take::gesture(&path, &ca_lab::catalog())
             } else {
-                gesture::Gesture::open(path, ports, rate)
+                gesture::Gesture::open(&path, &ports, rate)
             }
         };
-        let gesture = py.detach(read).map_err(|e| file(py, &e))?;
+        let gesture = apart(py, None, read)?.map_err(|e| file(py, &e))?;
         let Some(port) = port else { return Ok(Gesture { gesture }) };
-        let what = format!("`{}` has {} tracks", path.display(), gesture.tracks().len());
+        let what = format!("`{}` has {} tracks", named.display(), gesture.tracks().len());
         let one = gesture.named(&port);
         let gesture = one.ok_or_else(|| usage(py, &format!("{what}; `{port}` gives a name to a single one")))?;
         Ok(Gesture { gesture })

@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Sound = npt.NDArray[np.floating[Any]]
 #: how samples are kept: ``"float32"``, ``"float64"`` or the types of NumPy
 DType = npt.DTypeLike
-Status = Literal["ok", "clipped", "unstable", "refused"]
+Status = Literal["ok", "clipped", "unstable", "refused", "mute"]
 
 
 class Param(NamedTuple):
@@ -314,6 +314,22 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     if not low <= number <= high:
         raise UsageError(f"{name} = {number}: {low} to {high}")
     return number
+
+
+#: more channels than these in fewer frames than channels are a sound that lies on its side
+_CHANNELS = 64
+
+
+def transposed(sound: Floats) -> None:
+    """Refuses a sound (channels, frames), as others have it.
+
+    Raises:
+        UsageError: it has more channels than a sound can have, and fewer frames.
+    """
+    if sound.ndim == 2 and sound.shape[1] > max(_CHANNELS, sound.shape[0]):
+        frames, channels = sound.shape
+        what = f"has the shape {sound.shape}, which is {frames} frames of {channels} channels"
+        raise UsageError(f"the sound {what}: it is (frames, channels); transpose it, `.T`")
 
 
 def is_double(dtype: DType) -> bool:

@@ -245,6 +245,8 @@ class Scene(Measured, Derivatives):
             message = "; ".join(reported)
         elif raw["refused"]:
             status, message = "refused", f"{raw['refused']} inputs had no value"
+        elif raw["mute"]:
+            status, message = "mute", raw["mute"]
         places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
             audio=raw["audio"],
