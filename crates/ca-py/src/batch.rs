@@ -15,8 +15,8 @@ use pyo3::types::PyDict;
 #[pyfunction]
 #[pyo3(name = "batch", signature = (scene, values, seconds, gesture, double, threads, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn play<'py>(
-    py: Python<'py>,
+pub fn play(
+    py: Python<'_>,
     scene: Py<Scene>,
     values: Vec<(String, Vec<Given>)>,
     seconds: Option<f64>,
@@ -24,7 +24,7 @@ pub fn play<'py>(
     double: bool,
     threads: usize,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let typed = |all: Vec<Given>| all.into_iter().map(Given::typed).collect();
     let values = values.into_iter().map(|(name, all)| (name, typed(all))).collect();
     let spec = BatchSpec { values, seconds, threads };
@@ -32,13 +32,13 @@ pub fn play<'py>(
     run(py, scene, spec, gesture, progress)
 }
 
-fn played<'py, S: Sample + Element + 'static>(
-    py: Python<'py>,
+fn played<S: Sample + Element + 'static>(
+    py: Python<'_>,
     scene: Py<Scene>,
     spec: BatchSpec,
     gesture: Option<Py<Gesture>>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let batch = apart(py, progress, move |wanted| {
         let (loaded, options) = scene.get().source();
         let gesture = gesture.as_ref().map(|g| &g.get().gesture);

@@ -57,8 +57,8 @@ fn about(parameters: &[ca_gradient::Parameter]) -> Vec<(&str, f64, &str)> {
 }
 
 /// The curves of a gesture.
-fn curves(gesture: &Option<Py<Gesture>>) -> Option<&ca_io::gesture::Gesture> {
-    gesture.as_ref().map(|g| &g.get().gesture)
+fn curves(gesture: Option<&Py<Gesture>>) -> Option<&ca_io::gesture::Gesture> {
+    gesture.map(|g| &g.get().gesture)
 }
 
 /// A sound as Python has it (frames, channels).
@@ -117,7 +117,7 @@ impl Forward {
         gesture: Option<Py<Gesture>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let of = self.0.clone();
-        sound(py, self.0.outputs(), move |goes_on| of.output(seconds, curves(&gesture), goes_on))
+        sound(py, self.0.outputs(), move |goes_on| of.output(seconds, curves(gesture.as_ref()), goes_on))
     }
 
     /// The sound, and its derivatives (frames, channels, parameters).
@@ -129,7 +129,7 @@ impl Forward {
         gesture: Option<Py<Gesture>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
         let of = self.0.clone();
-        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(&gesture), goes_on))?;
+        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(gesture.as_ref()), goes_on))?;
         let shape = [t.frames, t.outputs, t.parameters.len()];
         let audio = table(py, t.output, t.frames, t.outputs)?;
         Ok((audio, t.tangents.into_pyarray(py).reshape(shape)?))
@@ -144,7 +144,7 @@ impl Forward {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let all = rows(py, &cotangent, self.0.outputs())?;
         let of = self.0.clone();
-        let found = waiting(py, move |goes_on| of.gradient(&all, curves(&gesture), goes_on))?;
+        let found = waiting(py, move |goes_on| of.gradient(&all, curves(gesture.as_ref()), goes_on))?;
         Ok(found.into_pyarray(py))
     }
 }
@@ -180,7 +180,7 @@ impl Energy {
         instants: usize,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
         let of = self.0.clone();
-        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(&gesture), instants, goes_on))?;
+        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(gesture.as_ref()), instants, goes_on))?;
         let shape = [t.instants(), ca_gradient::ACCOUNTS.len(), t.parameters.len()];
         let values = table(py, t.values, shape[0], shape[1])?;
         Ok((t.seconds.into_pyarray(py), values, t.tangents.into_pyarray(py).reshape(shape)?))
@@ -209,7 +209,7 @@ impl Reverse {
 
     /// Whether it can go back over a gesture.
     fn knows(&self, py: Python, gesture: Option<Py<Gesture>>) -> PyResult<bool> {
-        self.0.knows(curves(&gesture)).map_err(|e| failure(py, e))
+        self.0.knows(curves(gesture.as_ref())).map_err(|e| failure(py, e))
     }
 
     /// Names of the ports by which is differentiated too.
@@ -226,7 +226,7 @@ impl Reverse {
         gesture: Option<Py<Gesture>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Checkpoints)> {
         let of = self.0.clone();
-        let mut kept = waiting(py, move |goes_on| of.play(seconds, curves(&gesture), goes_on))?;
+        let mut kept = waiting(py, move |goes_on| of.play(seconds, curves(gesture.as_ref()), goes_on))?;
         let audio = std::mem::take(&mut kept.output);
         let (channels, frames) = (self.0.outputs(), kept.frames());
         let kept = Arc::new(kept);
@@ -243,7 +243,7 @@ impl Reverse {
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
         let all = rows(py, &cotangent, self.0.outputs())?;
         let of = self.0.clone();
-        let found = waiting(py, move |goes_on| of.gradient(&all, curves(&gesture), goes_on))?;
+        let found = waiting(py, move |goes_on| of.gradient(&all, curves(gesture.as_ref()), goes_on))?;
         let (frames, ports) = (cotangent.shape()[0], self.0.ports().count());
         Ok((found.parameters.into_pyarray(py), table(py, found.inputs, frames, ports)?))
     }

@@ -42,7 +42,7 @@ pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64>
 }
 
 /// All modes of the linear part, as arrays over modes.
-pub fn modes<'py>(py: Python<'py>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
+pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
     let found = apart(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear(&loaded.model, &catalog(), &options)
@@ -78,7 +78,7 @@ pub fn modes<'py>(py: Python<'py>, loaded: Loaded, rate: Option<f64>) -> PyResul
 }
 
 /// The linear part as a tick computes it: coefficients, rows of links, ports.
-pub fn linear<'py>(py: Python<'py>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
+pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
     let found = apart(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)

@@ -80,16 +80,15 @@ fn heard<S: Sample>(
 }
 
 /// See `cordis_anima.Scene.render`; `S` is how samples are kept.
-pub fn render<'py, S: Sample + Element + 'static>(
-    py: Python<'py>,
+pub fn render<S: Sample + Element + 'static>(
+    py: Python<'_>,
     scene: Py<Scene>,
     seconds: Option<f64>,
     gesture: Option<Py<Gesture>>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let of = scene.clone_ref(py);
-    let heard =
-        apart(py, progress, move |wanted| heard::<S>(of.get(), seconds, gesture.as_ref().map(|g| g.get()), wanted));
+    let heard = apart(py, progress, move |wanted| heard::<S>(of.get(), seconds, gesture.as_ref().map(Py::get), wanted));
     let heard = heard?.map_err(|e| match e {
         Unheard::Gesture(e) => error::gesture(py, &e),
         Unheard::Room(n) => usage(py, &format!("{n} samples do not fit into memory; render less, or stream it")),

@@ -121,14 +121,14 @@ impl Scene {
 
     /// Plays it: see `cordis_anima.Scene.render`; `double` says how samples are kept.
     #[pyo3(signature = (seconds, gesture, double, progress))]
-    fn render<'py>(
+    fn render(
         scene: Py<Scene>,
-        py: Python<'py>,
+        py: Python<'_>,
         seconds: Option<f64>,
         gesture: Option<Py<Gesture>>,
         double: bool,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
+    ) -> PyResult<Bound<'_, PyDict>> {
         let run = if double { render::<f64> } else { render::<f32> };
         run(py, scene, seconds, gesture, progress)
     }

@@ -114,7 +114,7 @@ impl Sweep {
     }
 
     /// Plays runs from `first` up to `end`: columns, and the sounds where they are wanted.
-    fn play<'py>(of: Py<Sweep>, py: Python<'py>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'py>> {
+    fn play(of: Py<Sweep>, py: Python<'_>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'_>> {
         let (rows, sounds) = Sweep::until_stopped(&of, py, move |sweep, goes_on| {
             let (mut rows, mut sounds) = (Vec::new(), Vec::new());
             for index in first..end.min(sweep.runs()) {
