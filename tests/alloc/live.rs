@@ -92,7 +92,7 @@ impl Found {
                 }
                 Record::Lost { records, .. } => self.lost += records,
                 Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
-                Record::Waiting { .. } => {}
+                Record::Marked { .. } | Record::Waiting { .. } => {}
                 Record::Retired { retired: Retired::State(_), .. } => self.reloads += 1,
                 Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } | Record::Swapped { .. } => {
                     self.commands += 1;

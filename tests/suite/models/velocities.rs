@@ -112,7 +112,7 @@ fn every_note_is_heard_and_louder_with_velocity_and_ends_quietly() {
                 while let Some(name) = names.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
                     let scene = scene(name);
                     let keys = keys(&scene);
-                    let ends = [keys.first(), keys.last()].map(|k| k.copied());
+                    let ends = [keys.first().copied(), keys.last().copied()];
                     for key in keys.iter().filter(|k| whole || ends.contains(&Some(**k))) {
                         if !DAMPERS.contains(&(name.as_str(), *key)) {
                             let found = faults(name, &scene, *key);

@@ -209,7 +209,7 @@ fn tuned(desk: &Desk, line: &Line, before: &Files) {
 fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let file =
         line.of("-o").map_or_else(|| format!("{}.wav", line.about().trim_end_matches(".ca.toml")), str::to_owned);
-    let (rate, channels, sound) = if file.ends_with(".flac") {
+    let (rate, channels, sound) = if Path::new(&file).extension().is_some_and(|e| e == "flac") {
         let (info, sound) = desk.flac(&file);
         (info.sample_rate, info.channels as usize, sound)
     } else {
