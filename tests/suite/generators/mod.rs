@@ -2,6 +2,5 @@
 
 mod generate_space;
 mod ring;
-mod stiff;
 mod tuning;
 mod waveguide;
