@@ -231,7 +231,6 @@ pub fn schedule(
         symbols,
         certificate,
         equivalence: net.equivalence.clone(),
-        couplings: options.couplings.clone(),
         left_out: net.left_out.clone(),
         sorted,
         title: plain(model.title()),

@@ -29,8 +29,9 @@ pub fn run(args: &CheckArgs) -> Outcome {
         return once(args, &mut Vec::new());
     }
     let model = &args.source.model;
-    let mut watch = Watch::of(model)
-        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is not a file that could change; name one")))?;
+    let mut watch = Watch::of(model).ok_or_else(|| {
+        Failure::Usage(format!("--watch: `{model}` is not a file; bundled models and standard input do not change"))
+    })?;
     loop {
         let mut files = Vec::new();
         let checked = once(args, &mut files);

@@ -105,7 +105,9 @@ impl Switch {
             choices: None,
         };
         if open {
-            switch.choices = super::choices(page);
+            if page || args.audio.is_some() {
+                switch.choices = super::choices(page);
+            }
             recorder.outputs().choices = super::servers(page);
             switch.says(recorder);
         }
