@@ -68,7 +68,7 @@ fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
             by.entry((device, *dof)).or_default().push(i);
         }
     }
-    for ((device, dof), ports) in by.into_iter().filter(|p| p.1.len() > 1 && !told_apart(&p.1)) {
+    for ((device, dof), ports) in by.into_iter().filter(|p| p.1.len() > 1 && !are_distinct(&p.1)) {
         let all: Vec<String> = ports.iter().take(3).map(|p| format!("`{}`", p.name)).collect();
         let more = if ports.len() > 3 { format!(" and {} more", ports.len() - 3) } else { String::new() };
         let title = format!(
@@ -85,7 +85,7 @@ fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
 }
 
 /// True if each of these ports follows MIDI, and no two of them the same.
-fn told_apart(ports: &[&Input]) -> bool {
+fn are_distinct(ports: &[&Input]) -> bool {
     let by = |i: &&Input| i.midi.map(|m| (m.source, m.channel));
     ports.iter().enumerate().all(|(k, i)| by(i).is_some() && !ports[..k].iter().any(|other| by(other) == by(i)))
 }
