@@ -27,7 +27,10 @@ type Forces = Publisher<Ipc, ForceFrame, ()>;
 /// Result of a claim.
 pub(super) enum News {
     /// the device is ours, and [`Claim::waiting`] gives its newest frame
-    Ours,
+    Ours {
+        /// the newest force was sent to it
+        told: bool,
+    },
     /// another server has it, in words; said once of each
     Taken(String),
 }
@@ -97,11 +100,9 @@ impl Claim {
         match self.asked.as_ref()?.try_recv() {
             Ok(Ok(forces)) => {
                 // a device gives no force before it saw its engine at rest
-                if let Some(force) = self.force.take() {
-                    let _ = forces.send_copy(force);
-                }
+                let told = self.force.take().is_some_and(|force| forces.send_copy(force).is_ok());
                 (self.forces, self.asked) = (Some(forces), None);
-                Some(News::Ours)
+                Some(News::Ours { told })
             }
             Ok(Err(e)) => {
                 self.asked = None;

@@ -72,6 +72,8 @@ pub struct Traffic {
     pub sent: AtomicU64,
     /// force frames that could not be sent
     pub unsent: AtomicU64,
+    /// device frames that are not used, and force frames that are not sent, because the device is not claimed
+    pub unclaimed: [AtomicU64; 2],
 }
 
 /// One device, seen from here.
@@ -198,12 +200,18 @@ impl Gateway {
                     p.follow(k, &frame, now, &mut self.events, &self.traffic);
                     incoming(k, *frame);
                 } else {
+                    self.traffic.unclaimed[0].fetch_add(1, Relaxed);
                     p.claim.heard(&frame, now);
                 }
             }
             match p.claim.news() {
-                Some(News::Ours) => {
+                Some(News::Ours { told }) => {
+                    if told {
+                        self.traffic.unclaimed[1].fetch_sub(1, Relaxed);
+                        self.traffic.sent.fetch_add(1, Relaxed);
+                    }
                     if let Some(frame) = p.claim.waiting(now) {
+                        self.traffic.unclaimed[0].fetch_sub(1, Relaxed);
                         p.follow(k, &frame, now, &mut self.events, &self.traffic);
                         incoming(k, frame);
                     }
@@ -232,7 +240,10 @@ impl Gateway {
     /// has written: a force that was held up on its way here is no fresh one.
     pub fn send(&mut self, k: usize, frame: &ForceFrame) {
         let Some(p) = self.places.get_mut(k) else { return };
-        let Some(sent) = p.claim.send(frame) else { return };
+        let Some(sent) = p.claim.send(frame) else {
+            self.traffic.unclaimed[1].fetch_add(1, Relaxed);
+            return;
+        };
         let count = if sent { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
         // a sleeper that cannot be woken looks by itself sooner or later

@@ -16,7 +16,7 @@ pub(super) struct Files<'a> {
 }
 
 /// What went over the lines.
-pub(super) type Traffic = [(&'static str, u64); 6];
+pub(super) type Traffic = [(&'static str, u64); 8];
 
 /// As text, one line a thing.
 pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>, rate: f64) -> io::Result<()> {

@@ -96,6 +96,8 @@ impl Talk {
             ("full", &t.full),
             ("sent", &t.sent),
             ("unsent", &t.unsent),
+            ("unclaimed", &t.unclaimed[0]),
+            ("unclaimed_forces", &t.unclaimed[1]),
         ];
         Some(counts.map(|(name, n)| (name, n.load(Relaxed))))
     }
