@@ -43,10 +43,8 @@ pub mod cloud;
 pub mod ending;
 pub mod error;
 pub mod files;
-pub mod flac;
 pub mod gesture;
 pub mod halves;
-pub mod length;
 pub mod live_midi;
 pub mod perform;
 pub mod probe;
@@ -55,6 +53,5 @@ pub mod recording;
 pub mod running;
 pub mod slow;
 pub mod sound;
-mod wav_header;
 
 pub use error::{FileError, FileErrorKind};

@@ -14,7 +14,6 @@ mod film;
 mod http;
 pub mod message;
 mod page;
-mod pending;
 
 pub use film::script as film_script;
 pub use page::{Feed, Page, PageRequest};

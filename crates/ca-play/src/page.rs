@@ -1,13 +1,11 @@
 //! The server of a page.
 //!
-//! It listens on the loopback alone. A connection takes a place only once it has shown the token: browsers of this user get
-//! at most [`MOST`] at a time, and other users none. Requests are handed over in order, with a bound: a page that asks
-//! more than is answered gets "no" at once.
+//! Decides that it is on the loopback alone, that a browser gets at most [`MOST`] connections at a time, and that what
+//! people ask is handed over in order, with a bound: who asks more than is answered gets "no" at once.
 
 use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
-use crate::pending::Pending;
 use serde_json::{Value, json};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -18,7 +16,7 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Bytes, Utf8Bytes};
 
-/// Connections with the token at a time.
+/// Connections at a time.
 const MOST: usize = 32;
 /// Requests that wait for an answer at most.
 const ASKED: usize = 256;
@@ -40,7 +38,6 @@ struct Hub {
     clients: Mutex<Vec<Arc<Client>>>,
     /// what a client is sent first
     greeting: Mutex<Utf8Bytes>,
-    pending: Pending,
     connections: AtomicUsize,
     number: AtomicU64,
     stop: AtomicBool,
@@ -75,7 +72,6 @@ impl Page {
             place,
             clients: Mutex::default(),
             greeting: Mutex::new(text(greeting)),
-            pending: Pending::default(),
             connections: AtomicUsize::new(0),
             number: AtomicU64::new(0),
             stop: AtomicBool::new(false),
@@ -185,31 +181,20 @@ impl Hub {
     }
 
     /// Serves one connection.
-    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: Waits) {
-        let _ = stream.set_write_timeout(Some(http::STUCK));
-        let head = match self.place.read(&mut stream) {
-            None => return,
+    fn serve(self: &Arc<Hub>, mut stream: TcpStream) {
+        let _ = stream.set_write_timeout(Some(http::PATIENCE));
+        match self.place.read(&mut stream) {
             Some(Head::Refused(status)) => {
                 let _ = http::refuse(&mut stream, status);
-                return;
             }
-            Some(head) => head,
-        };
-        drop(waits);
-        let _counted = Counted(self.clone());
-        if self.connections.fetch_add(1, Relaxed) >= MOST {
-            let _ = http::refuse(&mut stream, 503);
-            return;
-        }
-        match head {
-            Head::File(name) => {
+            Some(Head::File(name)) => {
                 let _ = match asset::find(&name) {
                     Some(file) => http::send(&mut stream, file, self.place.framed),
                     None => http::refuse(&mut stream, 404),
                 };
             }
-            Head::Socket(key, rest) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
-            _ => {}
+            Some(Head::Socket(key, rest)) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
+            None | Some(Head::Socket(..)) => {}
         }
     }
 
@@ -260,7 +245,7 @@ impl Hub {
     }
 }
 
-/// Counts a connection with the token, however its thread ends.
+/// Counts a connection, however its thread ends.
 struct Counted(Arc<Hub>);
 
 impl Drop for Counted {
@@ -269,32 +254,26 @@ impl Drop for Counted {
     }
 }
 
-/// The place of a connection without the token, however its thread ends.
-struct Waits(Arc<Hub>, u64);
-
-impl Drop for Waits {
-    fn drop(&mut self) {
-        self.0.pending.remove(self.1);
-    }
-}
-
 fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
-    for (number, stream) in (0..).zip(listener.incoming()) {
+    for stream in listener.incoming() {
         if hub.stop.load(Relaxed) {
             return;
         }
-        let both = stream.and_then(|stream| Ok((stream.try_clone()?, stream)));
-        let Ok((other, stream)) = both else {
+        let Ok(mut stream) = stream else {
             // no handle is free: others have to end first
             std::thread::sleep(Duration::from_millis(20));
             continue;
         };
-        hub.pending.add(number, other);
-        let waits = Waits(hub.clone(), number);
+        let counted = Counted(hub.clone());
+        if hub.connections.fetch_add(1, Relaxed) >= MOST {
+            let _ = stream.set_write_timeout(Some(Duration::from_millis(10)));
+            let _ = http::refuse(&mut stream, 503);
+            continue;
+        }
         // one that gets no thread is closed
         let _ = Builder::new().name("ca client".into()).spawn(move || {
-            let hub = waits.0.clone();
-            hub.serve(stream, waits);
+            let counted = counted;
+            counted.0.serve(stream);
         });
     }
 }

@@ -18,7 +18,6 @@ mod gesture;
 mod gradient;
 mod measure;
 mod model;
-mod render;
 mod scene;
 mod sim;
 mod sweep;

@@ -10,5 +10,4 @@ mod reader;
 mod scaled;
 mod select;
 mod set;
-mod toml;
 mod writer;

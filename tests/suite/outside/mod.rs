@@ -2,8 +2,6 @@
 
 mod files;
 mod imports;
-mod inputs;
 mod mims;
 mod peers;
 mod published;
-mod takes;

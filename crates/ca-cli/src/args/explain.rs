@@ -1,8 +1,6 @@
 //! A code of a finding.
 
-use super::completions;
 use clap::Args;
-use clap_complete::ArgValueCompleter;
 
 /// Explains a finding by its code
 ///
@@ -16,7 +14,6 @@ use clap_complete::ArgValueCompleter;
   ca explain w103 --json")]
 pub struct ExplainArgs {
     /// The code, as it stands in brackets behind `error`, `warning` or `note`
-    #[arg(add = ArgValueCompleter::new(completions::codes))]
     pub code: Option<String>,
     /// As JSON
     #[arg(long)]

@@ -5,7 +5,6 @@ pub mod accuracy;
 pub mod bench;
 mod border;
 pub mod check;
-pub mod completions;
 pub mod control;
 pub mod device;
 pub mod equiv;

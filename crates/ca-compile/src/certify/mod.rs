@@ -17,7 +17,6 @@ mod decide;
 mod exact;
 mod keys;
 mod negative;
-mod reach;
 mod report;
 mod rigid;
 mod ripple;

@@ -1,22 +1,27 @@
 //! Where the shared memory of a user lives.
 //!
-//! Each user has one folder, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to other users. All names in the folder and in
-//! `/dev/shm` begin with one prefix. It has the version of our frames, the release of iceoryx2 (its layout changes with
-//! each) and the random digits of the folder ([`prefix`](super::prefix)), so two versions or two folders never touch each
-//! other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are part of the protocol.
+//! Decides on one folder a user, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to others, and on a prefix of all names that
+//! is stamped with the version of our frames, the release of iceoryx2 (its layout changes with each) and a hash of the
+//! folder's name, since `/dev/shm` is one for all folders. So two versions or two folders never touch each other's
+//! memory. A configuration file of iceoryx2 is not read: sizes of queues are part of the protocol. In Python:
+//!
+//! ```text
+//! root = os.environ.get("CA_SHM_ROOT", f"/tmp/ca-{os.getuid()}").rstrip("/")
+//! fnv = functools.reduce(lambda h, b: (h ^ b) * 0x100000001b3 % 2**64, root.encode(), 0xcbf29ce484222325)
+//! prefix = f"ca1-0.10.0-{fnv % 2**32:08x}_"
+//! ```
 
 use super::error::{HostError, HostErrorKind};
-use super::{ours, prefix, stale_shm};
-use crate::frame::VERSION;
+use crate::frame::{VERSION, fnv};
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
     CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc_threadsafe,
 };
 use iceoryx2::prelude::{LogLevel, SemanticString, SignalHandlingMode, set_log_level_from_env_or};
-use std::fs::{self, File};
+use std::fs;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Arc, Once};
+use std::sync::Once;
 
 /// Shared memory between processes, with ports that are made on one thread and used on another
 /// ([`within`](super::within)).
@@ -37,12 +42,10 @@ const LINKS: u32 = 40;
 static LOGS: Once = Once::new();
 
 /// Where devices and engine of a user meet.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Site {
     root: PathBuf,
     prefix: String,
-    /// protects the prefix for as long as a clone of this value lives
-    _claim: Arc<File>,
 }
 
 /// Dead processes whose remains were found by [`Site::sweep`].
@@ -107,14 +110,8 @@ impl Site {
             return Err(bad("can be written by other users", "close it: `chmod 700`"));
         }
         LOGS.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
-        let claimed = prefix::claim(
-            &root,
-            |digits| !ours::foreign(&named(digits)).is_empty(),
-            |digits| stale_shm::remove_hash(&root, digits),
-        );
-        let (digits, claim) =
-            claimed.map_err(|e| bad(&format!("does not give a prefix for shared memory: {e}"), fix))?;
-        Ok(Site { root, prefix: named(&digits), _claim: Arc::new(claim) })
+        let prefix = format!("{}{:08x}_", stamp(), fnv(text.as_bytes()) as u32);
+        Ok(Site { root, prefix })
     }
 
     /// The folder.
@@ -224,17 +221,12 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
     None
 }
 
-/// The prefix with these digits.
-fn named(digits: &str) -> String {
-    format!("{}{digits}_", stamp())
-}
-
-/// The part of the prefix before the digits of the folder: the version.
+/// What names of this version begin with, before the folder's hash.
 pub(super) fn stamp() -> String {
     format!("ca{VERSION}-{IOX}-")
 }
 
 /// The user of this process. `/proc/self` belongs to it.
-pub fn uid() -> u32 {
+pub(super) fn uid() -> u32 {
     fs::metadata("/proc/self").map_or(0, |m| m.uid())
 }

@@ -16,7 +16,6 @@
 pub mod cdr;
 pub mod export;
 mod flat;
-mod framed;
 mod gesture;
 mod header;
 mod next;

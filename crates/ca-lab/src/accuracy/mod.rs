@@ -8,8 +8,6 @@ mod play;
 mod reference;
 mod score;
 mod single;
-#[cfg(test)]
-mod tests;
 
 use crate::Failure;
 use crate::load::{self, Loaded};

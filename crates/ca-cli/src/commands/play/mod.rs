@@ -4,7 +4,6 @@
 //! recorder ([`desk`]), an edited model another version of the scene ([`edit`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
 //! what there is to see ([`greeting`]).
 
-mod browser;
 mod desk;
 mod edit;
 mod energy;
@@ -23,7 +22,6 @@ use desk::Desk;
 use edit::Edit;
 use keep::{Keep, Kept, TapeSink};
 use sink::PageSink;
-use std::any::Any;
 use std::sync::Arc;
 
 /// Where a page is served where nobody says.
@@ -71,11 +69,14 @@ impl Frontend for PlayArgs {
     }
 
     /// Opens it too.
-    fn announce(&self, address: &str) -> Box<dyn Any> {
+    fn announce(&self, address: &str) {
         // whatever else is quiet: without it nobody can play
         eprintln!("play it at {address}");
-        let open = !self.no_open && has_screen();
-        Box::new(open.then(|| browser::open(address)))
+        if !self.no_open && has_screen() {
+            if let Err(e) = open::that_detached(address) {
+                term::note(&format!("no browser opens ({e}); open the address in one"));
+            }
+        }
     }
 }
 

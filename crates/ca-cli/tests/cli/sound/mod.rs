@@ -3,8 +3,6 @@
 mod bench;
 pub mod degraded;
 mod files;
-mod midi;
-mod pipes;
 mod render;
 mod report;
 pub mod sweep;

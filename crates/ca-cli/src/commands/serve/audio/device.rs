@@ -9,7 +9,8 @@ use crate::load;
 use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{Follow, PlaybackDevice, Watch, link};
+use ca_haptic::serve::Recorder;
+use ca_haptic::serve::audio::{Follow, PlaybackDevice, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
     BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
@@ -19,8 +20,13 @@ use std::sync::mpsc::channel;
 
 /// Frames a device is given at once where nobody says and it has a choice.
 const BUFFER: u32 = 256;
-/// Opens what was asked for.
-pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), Failure> {
+/// Opens what was asked for, and hands the engine's side of it to engine and recorder.
+pub(super) fn open(
+    wanted: &str,
+    buffer: Option<u32>,
+    scene: &Scene,
+    recorder: &mut Recorder,
+) -> Result<(Playing, Follow), Failure> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, buffer)?;
@@ -55,8 +61,9 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
             None,
         )
         .map_err(failed)?;
+    recorder.hears(watch);
     let output = Any::Device(Output { stream });
-    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow, watch))
+    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow))
 }
 
 /// An open device.
@@ -97,13 +104,8 @@ fn all() -> Vec<(HostId, Device)> {
     hosts.flat_map(|(id, host)| host.output_devices().into_iter().flatten().map(move |d| (id, d))).collect()
 }
 
-/// Names of everything that plays.
-pub(super) fn names() -> Vec<String> {
-    all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect()
-}
-
 fn there_is() -> String {
-    let mut names = names();
+    let mut names: Vec<String> = all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect();
     if super::jack::is_there() {
         names.push("jack".into());
     }

@@ -1,5 +1,4 @@
 //! Sound servers, each a real one.
 
 pub mod audio;
-mod away;
 mod pulse;
