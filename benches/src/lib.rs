@@ -7,6 +7,7 @@ pub mod acoustics;
 pub mod atlas;
 pub mod costs;
 mod grains;
+pub mod growth;
 pub mod instruments;
 pub mod latency;
 pub mod peers;

@@ -4,7 +4,7 @@ use super::calls;
 use ca_compile::{Options as Compile, compile};
 use ca_haptic::engine::{Engine, Options};
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{PlaybackDevice, link};
+use ca_haptic::serve::audio::{PlaybackDevice, link, outlet};
 use ca_haptic::serve::{Clock, Live, RecordIntervals, Shared, rings};
 use ca_model::read;
 use std::sync::Arc;
@@ -13,16 +13,27 @@ use std::time::Duration;
 
 const TEXT: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
 
-/// Calls of the allocator in a run of so many frames: by the engine, and by the device, which stops on the way.
-fn run(frames: u64) -> (u64, u64) {
+/// Calls of the allocator in a run of so many frames: by the engine, and by the device, which stops on the way. With `change`,
+/// another device played before the first frame.
+fn run(frames: u64, change: bool) -> (u64, u64) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "bar.ca.toml", &catalog);
     let scene = Arc::new(compile(&model, &catalog, &Compile::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![], Options::default());
     let (mut ends, _gateway, _recorder) = rings(&scene, 0, 0);
     let who = PlaybackDevice { rate: 48_000, channels: 2, ..PlaybackDevice::default() };
+    let before = link(scene.channels, scene.ratio, who.clone(), 64);
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, 64);
-    ends.audio = Some(follow);
+    let patch = if change {
+        let (outlet, mut patch) = outlet(Some(before.0));
+        assert!(patch.put(Some(follow)));
+        ends.audio = outlet;
+        patch
+    } else {
+        let (outlet, patch) = outlet(Some(follow));
+        ends.audio = outlet;
+        patch
+    };
     let counts = watch.counts.clone();
     let device = std::thread::spawn(move || {
         let mut out = [0.0; 128];
@@ -41,12 +52,16 @@ fn run(frames: u64) -> (u64, u64) {
     });
     let live = Live::new(engine, ends, Arc::new(Shared::default()), Clock::Audio, RecordIntervals::default());
     let n = calls(|| assert_eq!(live.run(Some(frames)).counts.frames, frames + 1));
-    (n, device.join().expect("no panic"))
+    let device = device.join().expect("no panic");
+    // what the engine gave back is freed here
+    drop(patch);
+    (n, device)
 }
 
 #[test]
 fn a_sound_device_allocates_nothing() {
-    let (short, long) = (run(3), run(3000));
+    let (short, long) = (run(3, false), run(3000, false));
+    assert_eq!(short.0, run(3, true).0, "a change of the device");
     assert_eq!(short.0, long.0, "the engine");
     assert_eq!((short.1, long.1), (0, 0), "the device");
 }

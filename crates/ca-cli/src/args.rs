@@ -3,12 +3,15 @@
 
 use ca_core::kind::Unit;
 use ca_model::quantity;
+use clap::builder::UnknownArgumentValueParser;
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
+use clap_complete::ArgValueCompleter;
 use std::any::TypeId;
 use std::path::PathBuf;
 
 mod accuracy;
 mod bench;
+mod completions;
 mod device;
 mod equiv;
 mod explain;
@@ -23,6 +26,7 @@ mod tune;
 
 pub use accuracy::AccuracyArgs;
 pub use bench::BenchArgs;
+pub use completions::CompletionsArgs;
 pub use device::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
 pub use equiv::EquivArgs;
 pub use explain::ExplainArgs;
@@ -30,7 +34,7 @@ pub use fit::FitArgs;
 pub use modes::ModesArgs;
 pub use play::PlayArgs;
 pub use report::ReportArgs;
-pub use serve::{ArmArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
+pub use serve::{ArmArgs, AudioArgs, ClockKind, ServeArgs, SetArgs, ShmArgs, ShmWhat, StatusArgs};
 pub use sweep::SweepArgs;
 pub use take::{LogArgs, LogCommand, ReplayArgs};
 pub use tune::{Scale, TuneArgs};
@@ -41,7 +45,8 @@ pub use tune::{Scale, TuneArgs};
 #[command(max_term_width = 100)]
 #[command(
     after_help = "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped), 130 interrupted.\n\
-                        A model is a file `*.ca.toml`, a MIMS file `*.mdl`, or the name of a bundled model (`ca list`)."
+                        A model is a file `*.ca.toml`, a MIMS file `*.mdl`, the name of a bundled model (`ca list`), or `-`: standard input.\n\
+                        `ca completions --help` says how a shell completes all of it."
 )]
 pub struct Cli {
     /// what to do
@@ -51,7 +56,16 @@ pub struct Cli {
 
 /// The command line as it is read: a negative number after an option is its value, to be judged as any other.
 pub fn command() -> clap::Command {
-    numbers(Cli::command())
+    numbers(Cli::command().mut_subcommand("render", |c| c.args(other_names())))
+}
+
+/// Names that options of `ca render` have in other programs. clap answers them with the name here.
+fn other_names() -> [clap::Arg; 3] {
+    [("--format", "bits", "bit-depth"), ("--seconds", "duration", "length"), ("--rate", "sample-rate", "samplerate")]
+        .map(|(ours, one, other)| {
+            let meant = UnknownArgumentValueParser::suggest_arg(ours);
+            clap::Arg::new(one).long(one).alias(other).hide(true).value_parser(meant)
+        })
 }
 
 /// Whether as little as possible is said: by `--quiet`, or by `--json`, which programs read.
@@ -91,6 +105,7 @@ pub enum Command {
     Play(PlayArgs),
     Serve(ServeArgs),
     Set(SetArgs),
+    Audio(AudioArgs),
     /// Turns the forces of a running `ca serve` on
     ///
     /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed
@@ -115,17 +130,19 @@ pub enum Command {
     Log(LogArgs),
     Device(DeviceArgs),
     Shm(ShmArgs),
+    Completions(CompletionsArgs),
 }
 
 /// Which model, and what to change in it.
 #[derive(Args, Clone)]
 pub struct Source {
-    /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
+    /// `*.ca.toml` file, MIMS `.mdl` file, name of a bundled model, or `-` for standard input
+    #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// Changes a parameter: of a module (`hammer.m="30 g"`), a `[param]`, or `rate.gesture`; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
     pub set: Vec<(String, String)>,
-    /// Sound rate, e.g. "96 kHz"; the model's own, or 48 kHz
+    /// Sound rate, e.g. "96 kHz" or 96k; the model's own, or 48 kHz
     #[arg(long, value_name = "HZ", value_parser = hertz)]
     pub rate: Option<f64>,
     /// Position of devices within a gesture frame, as `--set rate.border=hold`
@@ -167,7 +184,7 @@ pub struct Playing {
     /// How long, e.g. 4 or "4 s"
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// A gesture that plays it (csv, npy, wav, mid, or a take, mcap); its tracks take the place of built-in ones;
+    /// A gesture that plays it (csv, npy, wav, mid, kar, rmi, or a take, mcap); its tracks take the place of built-in ones;
     /// repeatable. The one nameless track of an array or a sound is given to a port by `key=FILE`
     #[arg(long, value_name = "[PORT=]FILE")]
     pub gesture: Vec<String>,
@@ -185,19 +202,23 @@ pub enum Border {
     Hold,
 }
 
-/// Plays a model into a WAV file
+/// Plays a model into a WAV or FLAC file
 ///
 /// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
 /// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
-/// length is `--seconds`, else `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
+/// length is `--seconds`. Without it a MIDI file is played until the sound has died away (60 dB below its peak for half a second), 10 s
+/// after the last event at most; else it is `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
 /// model makes, beyond full scale too; in 24 and 16 bits that is cut off and counted. A model that diverges is silenced, and the
-/// guilty module named: what is cut off or diverged finishes with exit code 3.
+/// guilty module named: what is cut off or diverged finishes with exit code 3. A pipe gets the same bytes as a file, when the
+/// sound is whole; the summary then goes to standard error.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca render hammered_string
   ca render hammered_string -o slow.wav --seconds 6 --set hammer.m='30 g'
   ca render hammered_string -o take.wav --gesture key.csv --format 24
+  ca render hammered_string -o small.flac --format 16
+  ca render hammered_string -o - | cat > piped.wav
   ca render hammered_string --normalize -1dBFS --no-fade
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
   ca render hammered_string --energy --json
@@ -208,15 +229,16 @@ pub struct RenderArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// The WAV file; the name of the model in the current directory if left out
-    #[arg(short, long, value_name = "FILE.wav")]
+    /// The file, `.wav` or `.flac`, or `-` for standard output; the name of the model in the current directory if left out
+    #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// how it is played
     #[command(flatten)]
     pub playing: Playing,
-    /// Samples: 32-bit float (lossless, the default), or 24 or 16 bits
-    #[arg(long, value_enum, default_value_t = SampleFormat::F32)]
-    pub format: SampleFormat,
+    /// Samples: 32-bit float (lossless, the default of WAV), 24 bits (the default of FLAC) or 16 bits; `flac` and `flac16` are
+    /// FLAC whatever the file is called
+    #[arg(long, value_enum)]
+    pub format: Option<SampleFormat>,
     /// Cuts off what is beyond full scale in 32-bit floats too, as 24 and 16 bits always do
     #[arg(long)]
     pub ceiling: bool,
@@ -309,6 +331,7 @@ pub struct CheckArgs {
   ca list --schema > ca.schema.json")]
 pub struct ListArgs {
     /// `kinds`, `models`, `parts`, the code of a kind, the name of a bundled model or of a part
+    #[arg(add = ArgValueCompleter::new(completions::listed))]
     pub what: Option<String>,
     /// As JSON
     #[arg(long, conflicts_with_all = ["schema", "markdown"])]
@@ -334,7 +357,7 @@ pub struct NewArgs {
     /// The file to write, `*.ca.toml`
     pub file: PathBuf,
     /// `string`, or the name of a bundled model (`ca list models`)
-    #[arg(long, value_name = "NAME", default_value = "string")]
+    #[arg(long, value_name = "NAME", default_value = "string", add = ArgValueCompleter::new(completions::bundled))]
     pub from: String,
     /// Overwrites the file
     #[arg(long)]
@@ -372,6 +395,17 @@ pub enum SampleFormat {
     /// 16-bit integers
     #[value(name = "16")]
     I16,
+    /// FLAC of 24 bits
+    Flac,
+    /// FLAC of 16 bits
+    Flac16,
+}
+
+impl SampleFormat {
+    /// True for FLAC, independent of the name of the file.
+    pub fn is_flac(self) -> bool {
+        matches!(self, SampleFormat::Flac | SampleFormat::Flac16)
+    }
 }
 
 /// Which passes run the links.
@@ -407,8 +441,10 @@ fn count(text: &str) -> Result<usize, String> {
     text.trim().parse().map_err(|_| "a whole number from 0 on is wanted".into())
 }
 
+/// A rate; `96k` is short for "96 kHz", as in other programs of sound.
 fn hertz(text: &str) -> Result<f64, String> {
-    quantity_of(text, Unit::HERTZ, (1.0, 1e6))
+    let short = text.trim().strip_suffix(['k', 'K']).filter(|n| n.trim().parse::<f64>().is_ok());
+    quantity_of(&short.map_or_else(|| text.to_owned(), |n| format!("{n} kHz")), Unit::HERTZ, (1.0, 1e6))
 }
 
 /// A level as a part of full scale.

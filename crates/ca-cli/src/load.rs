@@ -4,14 +4,21 @@ use crate::args::Source;
 use crate::outcome::Failure;
 use crate::term;
 use ca_compile::{Compiled, Options};
+use ca_io::{FileError, atomic_file, reading};
 pub use ca_lab::load::{
-    BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, warnings,
+    BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, utf8, warnings,
 };
 use ca_model::diag::Severity;
 use std::path::Path;
+use std::sync::OnceLock;
 
-/// Refuses to write sound to a file that is not called `.wav`.
+/// Refuses to write the sound of a performance to a file that is not called `.wav`, and to standard output, which has its
+/// summary.
 pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
+    if atomic_file::is_stdout(path) {
+        let what = format!("`{}`: the summary goes to standard output", path.display());
+        return Err(Failure::Usage(format!("{what}; name a file `.wav` or a FIFO")));
+    }
     // a device such as /dev/null has no extension, and need not
     let plain = !path.exists() || path.is_file();
     if plain && !has_extension(path, "wav") {
@@ -21,9 +28,36 @@ pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The word that means standard input.
+const STDIN: &str = "-";
+
+/// The model that a word means: a file, a bundled model, or `-`, what is read from standard input. That is read once in a run, and
+/// is the same model each time.
+pub fn read(word: &str) -> Result<Loaded, ca_lab::Failure> {
+    static TEXT: OnceLock<Result<String, FileError>> = OnceLock::new();
+    if word != STDIN {
+        return ca_lab::load::load(word);
+    }
+    let text = TEXT.get_or_init(|| {
+        let name = Path::new("stdin");
+        utf8(reading::text_from(&mut std::io::stdin().lock(), name, reading::MODEL)?, name)
+    });
+    Ok(Loaded::read(text.as_ref().map_err(Clone::clone)?, "stdin"))
+}
+
+/// The file of a model that is to be changed in place.
+pub fn own_file(word: &str) -> Result<&Path, Failure> {
+    let why = match word {
+        STDIN => "standard input cannot be changed in place",
+        _ if Path::new(word).exists() => return Ok(Path::new(word)),
+        _ => "a bundled model is not yours to change",
+    };
+    Err(Failure::Usage(format!("`{word}`: {why}; name a file by `--write FILE.ca.toml`")))
+}
+
 /// Reads the model and applies `--set`.
 pub fn load(source: &Source) -> Result<Loaded, Failure> {
-    let mut loaded = ca_lab::load::load(&source.model)?;
+    let mut loaded = read(&source.model)?;
     for (name, value) in source.changes() {
         ca_lab::load::set_typed(&mut loaded, &name, &value).map_err(|e| match Failure::from(e) {
             Failure::Usage(what) => Failure::Usage(format!("--set: {what}")),

@@ -20,6 +20,8 @@ use outcome::{Ended, Failure, Outcome};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    // a shell that completes asks by a variable, gets its answer and no more
+    clap_complete::CompleteEnv::with_factory(args::command).complete();
     let read = args::command().try_get_matches().and_then(|m| {
         term::explaining(!args::is_terse(&m));
         Cli::from_arg_matches(&m)
@@ -35,7 +37,10 @@ fn main() -> ExitCode {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => ExitCode::SUCCESS,
         Ok(Ended::Degraded) => ExitCode::from(3),
         Err(Failure::Reported) => ExitCode::from(1),
-        Err(Failure::Interrupted) => ExitCode::from(130),
+        Err(Failure::Interrupted(what)) => {
+            term::note(&what);
+            ExitCode::from(130)
+        }
         Err(Failure::Failed(what)) => {
             term::error(&what);
             ExitCode::from(1)
@@ -76,6 +81,7 @@ fn run(command: &Command) -> Outcome {
         Command::Play(a) => commands::play::run(a),
         Command::Serve(a) => commands::serve::run(a),
         Command::Set(a) => commands::control::set(a),
+        Command::Audio(a) => commands::control::audio(a),
         Command::Arm(a) => commands::control::arm(a),
         Command::Disarm(a) => commands::control::disarm(a),
         Command::Status(a) => commands::control::status(a),
@@ -84,5 +90,6 @@ fn run(command: &Command) -> Outcome {
         Command::Log(a) => commands::log::run(a),
         Command::Device(a) => commands::device::run(a),
         Command::Shm(a) => commands::shm::run(a),
+        Command::Completions(a) => commands::completions::run(a),
     }
 }

@@ -24,9 +24,9 @@ pub enum Failure {
     Failed(String),
     /// as before, but all is already said: exit code 1
     Reported,
-    /// somebody pressed Ctrl-C: exit code 130, as of any command that ends so
-    Interrupted,
-    /// the reader of stdout went away
+    /// Ctrl-C: exit code 130; with a message about the work that is kept
+    Interrupted(String),
+    /// the reader of standard output, or of another pipe, went away
     BrokenPipe,
 }
 
@@ -43,6 +43,7 @@ impl From<ca_io::FileError> for Failure {
     fn from(e: ca_io::FileError) -> Failure {
         match e.kind {
             ca_io::FileErrorKind::Usage | ca_io::FileErrorKind::Unsupported => Failure::Usage(e.to_string()),
+            ca_io::FileErrorKind::Left => Failure::BrokenPipe,
             _ => Failure::Failed(e.to_string()),
         }
     }
@@ -53,7 +54,7 @@ impl From<ca_lab::Failure> for Failure {
         match e {
             ca_lab::Failure::Usage(what) => Failure::Usage(what),
             ca_lab::Failure::Failed(what) => Failure::Failed(what),
-            ca_lab::Failure::Stopped => Failure::Interrupted,
+            ca_lab::Failure::Stopped => Failure::Interrupted("interrupted: nothing was written".into()),
             ca_lab::Failure::Found(found) => {
                 term::findings(&found.diags, &found.model);
                 Failure::Reported

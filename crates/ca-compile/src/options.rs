@@ -60,4 +60,6 @@ pub struct Options {
     pub kernel: KernelClass,
     /// keep what nothing hears: somebody looks at it
     pub whole: bool,
+    /// begin as by this older [`ca_core::ARITHMETIC`], for takes; as by the one of now if `None`
+    pub arithmetic: Option<u32>,
 }

@@ -16,7 +16,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T
 
 /// Linear bound of a law: its largest slopes, `k` \[N/m\] against elongation and `z` \[N/(m/tick)\] against change of
 /// elongation. Exact for linear laws and for contacts of constant stiffness; of laws that stiffen without end
-/// (`hardens`) it is the slope at rest, and the certificate says "rule of thumb". Both ≥ 0 except for springs that are
+/// (`hardens`) it is the slope at rest, and [`Phi::steepest`] has that at an elongation. Both ≥ 0 except for springs that are
 /// negative on purpose. `contact` marks laws that switch.
 // six answers to six questions, any of which may be yes
 #[allow(clippy::struct_excessive_bools)]
@@ -24,6 +24,8 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T
 pub struct Bound {
     /// largest slope against elongation \[N/m\]
     pub k: f64,
+    /// the part of `k` that the law has at some elongations only, as of a table \[N/m\]
+    pub loose: f64,
     /// largest slope against change of elongation per tick \[N per m/tick\]
     pub z: f64,
     /// true where the force switches on and off with distance
@@ -50,6 +52,12 @@ impl Bound {
     /// the rest more stable.
     pub fn h(&self) -> f64 {
         self.k - self.lift + if self.centred { 0.0 } else { 2.0 * self.z }
+    }
+
+    /// The part of [`Bound::h`] that the link has wherever its ends are \[N/m\].
+    pub fn certain(&self) -> f64 {
+        // of a curve of friction the slope is one that it has somewhere
+        (if self.curve { self.k } else { self.h() }) - self.loose
     }
 
     /// The explicit link that counts as much.
@@ -119,6 +127,13 @@ pub trait Phi<const C: usize, const M: usize> {
 
     /// Linear bounds, for the certificate.
     fn bound(c: &[f64; C], tables: &[Table]) -> Bound;
+
+    /// The largest slopes between two elongations \[m\]: against elongation \[N/m\] and against its change \[N per m/tick\]. Only laws
+    /// whose bound hangs on the elongation say more than [`Phi::bound`].
+    fn steepest(c: &[f64; C], tables: &[Table], _between: [f64; 2]) -> [f64; 2] {
+        let b = Self::bound(c, tables);
+        [b.k, b.z]
+    }
 }
 
 /// The force of a link: coefficients, memory, tables, elongation, change of elongation per tick.
@@ -129,3 +144,5 @@ pub type Stored = fn(&[Real], &[Real], &[Table], Real, Real) -> Real;
 pub type Lost = fn(&[Real], &[Real], &[Table], [Real; 3]) -> Real;
 /// Where a contact has no force: coefficients; the elongations from … to (see [`Phi::idle`]).
 pub type Idle = fn(&[Real]) -> (Real, Real);
+/// Largest slopes of a link between two elongations: coefficients, tables, the elongations (see [`Phi::steepest`]).
+pub type Steepest = fn(&[f64], &[Table], [f64; 2]) -> [f64; 2];

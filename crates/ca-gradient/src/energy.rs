@@ -148,6 +148,6 @@ fn after(k: usize, instants: usize, frames: usize) -> usize {
 /// In the order of [`ACCOUNTS`].
 fn accounts(b: &Balance) -> [Dual; ACCOUNTS.len()] {
     // who adds an account is asked here what to do with it
-    let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _ } = *b;
+    let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _, received: _ } = *b;
     [h0, h, lost, scheme_error, work, changed, residual]
 }

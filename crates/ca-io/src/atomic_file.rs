@@ -4,15 +4,52 @@
 //! in one step when it is finished, so that a crash, a full disk or an interrupted command never leaves half a file
 //! over a good one. A sibling rather than a file in the temporary directory: only within one file system is renaming
 //! one step. What is not finished removes itself; after a kill the sibling stays and says by its name what it is.
-//! A symbolic link keeps pointing, a file keeps who may read it; what is not a plain file (`/dev/null`) is written
+//! A symbolic link keeps pointing, a file keeps the rights to read it, and other users may never write it; what is not a plain file (`/dev/null`) is written
 //! straight, never replaced.
+//!
+//! A pipe, a FIFO and standard output get their bytes at the end, from a temporary file without a name: formats whose header
+//! holds the length go back to it, and a pipe cannot. So a pipe gets the bytes that a file would have. Writing the header first,
+//! with the greatest length that it can hold, was the alternative; not all readers of WAV take that.
 
 use crate::error::{FileError, FileErrorKind};
 use std::collections::hash_map::RandomState;
 use std::fs::{self, File};
 use std::hash::{BuildHasher as _, Hasher as _};
-use std::io::Write as _;
+use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
+
+/// Mode of a file at most, whatever the umask of the process: other users read it.
+const PLAIN: u32 = 0o644;
+/// Mode of a file that other users do not read.
+const PRIVATE: u32 = 0o600;
+
+/// Makes a file where there is none, with this mode where the system has modes; the umask takes more away.
+///
+/// # Errors
+/// If there is one, or it cannot be made.
+pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
+    let mut options = File::options();
+    options.read(true).write(true).create_new(true);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+    #[cfg(not(unix))]
+    let _ = mode;
+    options.open(path)
+}
+
+/// The rights of a file that is replaced; other users may not write it.
+fn kept(about: &fs::Metadata) -> fs::Permissions {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        fs::Permissions::from_mode(about.permissions().mode() & PLAIN)
+    }
+    #[cfg(not(unix))]
+    about.permissions()
+}
+
+/// Bytes that go to a pipe at once.
+const ROOM: usize = 1 << 16;
 
 /// Where the bytes go until they are all there.
 #[derive(Debug)]
@@ -21,7 +58,23 @@ pub struct AtomicFile {
     target: PathBuf,
     /// the sibling, until it has become the target; `None` where the target is written straight
     part: Option<PathBuf>,
+    /// where the bytes of `file` go at the end, where that is a pipe
+    pipe: Option<File>,
     file: File,
+}
+
+/// True for paths that mean standard output: `-` and the names of the system.
+pub fn is_stdout(path: &Path) -> bool {
+    ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+/// Another handle to standard output. Opening its name again would begin at the start of a file that it is redirected to.
+fn stdout() -> std::io::Result<File> {
+    #[cfg(unix)]
+    let owned = std::os::fd::AsFd::as_fd(&std::io::stdout()).try_clone_to_owned();
+    #[cfg(windows)]
+    let owned = std::os::windows::io::AsHandle::as_handle(&std::io::stdout()).try_clone_to_owned();
+    owned.map(File::from)
 }
 
 /// Writes a file, in place of one that is there.
@@ -39,11 +92,23 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 /// # Errors
 /// Where there is one, which stays, and where it cannot be written.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    fill_new(path, bytes, PLAIN)
+}
+
+/// Writes a file that this user alone can read, where there is none.
+///
+/// # Errors
+/// As [`write_new`].
+pub fn write_new_private(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    fill_new(path, bytes, PRIVATE)
+}
+
+fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
     let there = || FileError::new(FileErrorKind::Io, "it exists").file(path.display()).fix("choose another name");
     if path.symlink_metadata().is_ok() {
         return Err(there());
     }
-    let mut staged = AtomicFile::create(path)?;
+    let mut staged = AtomicFile::begin(path, mode)?;
     staged.fill(bytes)?;
     let Some(part) = &staged.part else { return Ok(()) };
     staged.file.sync_all().map_err(|e| staged.fail(&e))?;
@@ -60,40 +125,76 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 }
 
 impl AtomicFile {
-    /// Begins a file.
+    /// Begins a file; at a path that [`is_stdout`] its bytes go to standard output.
     ///
     /// # Errors
     /// Where no file can be there.
     pub fn create(path: &Path) -> Result<AtomicFile, FileError> {
+        AtomicFile::begin(path, PLAIN)
+    }
+
+    /// Begins a file that this user alone can read.
+    ///
+    /// # Errors
+    /// As [`AtomicFile::create`].
+    pub fn create_private(path: &Path) -> Result<AtomicFile, FileError> {
+        AtomicFile::begin(path, PRIVATE)
+    }
+
+    fn begin(path: &Path, mode: u32) -> Result<AtomicFile, FileError> {
         let fail = |e: &std::io::Error| {
             let err = FileError::io(path, "it cannot be written", e);
             if e.kind() == std::io::ErrorKind::NotFound { err.fix("make the directory first") } else { err }
         };
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let through = |pipe: File| {
+            let file = tempfile::tempfile().map_err(|e| {
+                let e = FileError::io(path, "no temporary file can be made for it", &e);
+                e.fix("name a folder with room by `TMPDIR`")
+            })?;
+            Ok(AtomicFile { target: path.to_owned(), part: None, pipe: Some(pipe), file })
+        };
+        if is_stdout(path) {
+            return through(stdout().map_err(|e| fail(&e))?);
+        }
+        let target = followed(path).map_err(|e| fail(&e))?;
         match fs::metadata(&target) {
             Ok(m) if m.is_dir() => {
                 let e = FileError::new(FileErrorKind::Io, "it is a directory").file(path.display());
                 return Err(e.fix("give the name of a file"));
             }
             Ok(m) if !m.is_file() => {
-                let file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
-                return Ok(AtomicFile { target, part: None, file });
+                let mut file = File::options().write(true).open(&target).map_err(|e| fail(&e))?;
+                if file.stream_position().is_err() {
+                    return through(file);
+                }
+                return Ok(AtomicFile { target, part: None, pipe: None, file });
             }
             _ => {}
         }
-        let rights = fs::metadata(&target).ok().map(|m| m.permissions());
+        let rights = fs::metadata(&target).ok().map(|m| kept(&m));
         let Some(name) = target.file_name() else {
             return Err(FileError::usage("it has no name").file(path.display()));
         };
         // random: numbers of processes come back, and are the same on other machines
         let random = RandomState::new().build_hasher().finish();
         let part = target.with_file_name(format!(".{}.{random:016x}.part", name.to_string_lossy()));
-        let file = File::create_new(&part).map_err(|e| fail(&e))?;
+        let file = new_file(&part, mode).map_err(|e| fail(&e))?;
         if let Some(rights) = rights {
             // a file system without rights has none to keep
             let _ = file.set_permissions(rights);
         }
-        Ok(AtomicFile { target, part: Some(part), file })
+        Ok(AtomicFile { target, part: Some(part), pipe: None, file })
+    }
+
+    /// A file without a name on the same disk, or where temporary files are if this is a pipe; it is gone when it is closed.
+    ///
+    /// # Errors
+    /// If the system refuses it.
+    pub fn scratch(&self) -> Result<AtomicFile, FileError> {
+        let folder = self.part.as_deref().and_then(Path::parent);
+        let here = |p: &Path| if p.as_os_str().is_empty() { PathBuf::from(".") } else { p.to_owned() };
+        let file = tempfile::tempfile_in(folder.map_or_else(std::env::temp_dir, here)).map_err(|e| self.fail(&e))?;
+        Ok(AtomicFile { target: self.target.clone(), part: None, pipe: None, file })
     }
 
     fn fail(&self, e: &std::io::Error) -> FileError {
@@ -104,7 +205,7 @@ impl AtomicFile {
         (&self.file).write_all(bytes).map_err(|e| self.fail(&e))
     }
 
-    /// Another handle to the same file, for a writer to own.
+    /// Another handle to the same file, for a writer to own; for plain files and pipes what was written can be read by it.
     ///
     /// # Errors
     /// Where the system has no more of them.
@@ -112,16 +213,29 @@ impl AtomicFile {
         self.file.try_clone().map_err(|e| self.fail(&e))
     }
 
-    /// Whether the target is a plain file, in which one can go back.
+    /// True for a plain file.
     pub fn is_plain(&self) -> bool {
         self.part.is_some()
     }
 
-    /// Puts the finished file in its place. All that was written must have been flushed.
+    /// True for a pipe: bytes that were sent cannot be taken back.
+    pub fn is_pipe(&self) -> bool {
+        self.pipe.is_some()
+    }
+
+    /// Puts the finished file in its place, or sends it through its pipe. All that was written must have been flushed.
     ///
     /// # Errors
     /// Where it cannot be put there; what was there stays.
     pub fn commit(mut self) -> Result<(), FileError> {
+        if let Some(mut pipe) = self.pipe.take() {
+            self.send(&mut pipe).map_err(|e| match e.kind() {
+                std::io::ErrorKind::BrokenPipe => {
+                    FileError::new(FileErrorKind::Left, "its reader went away").file(self.target.display())
+                }
+                _ => self.fail(&e),
+            })?;
+        }
         if let Some(part) = self.part.take() {
             let done = self.file.sync_all().and_then(|()| fs::rename(&part, &self.target));
             if let Err(e) = done {
@@ -131,6 +245,32 @@ impl AtomicFile {
         }
         Ok(())
     }
+
+    fn send(&mut self, pipe: &mut File) -> std::io::Result<()> {
+        self.file.rewind()?;
+        let mut bytes = vec![0; ROOM];
+        loop {
+            match self.file.read(&mut bytes)? {
+                0 => return pipe.flush(),
+                n => pipe.write_all(&bytes[..n])?,
+            }
+        }
+    }
+}
+
+/// The file that symbolic links lead to, whether it is there or not.
+fn followed(path: &Path) -> std::io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    // as many as Linux follows
+    for _ in 0..40 {
+        if let Ok(there) = fs::canonicalize(&target) {
+            return Ok(there);
+        }
+        let Ok(to) = fs::read_link(&target) else { return Ok(target) };
+        target.pop();
+        target.push(to);
+    }
+    Err(std::io::Error::other("its symbolic links lead in a circle"))
 }
 
 impl Drop for AtomicFile {
@@ -189,7 +329,14 @@ mod tests {
         fs::write(&path, "old").unwrap();
         fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
         write(&path, b"new").unwrap();
-        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o600);
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!(mode(&path), 0o600);
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o666)).unwrap();
+        write(&path, b"newer").unwrap();
+        assert_eq!(mode(&path), 0o644, "other users do not write it");
+        let private = dir.path().join("token");
+        write_new_private(&private, b"secret").unwrap();
+        assert_eq!(mode(&private), 0o600);
     }
 
     #[test]
@@ -212,11 +359,50 @@ mod tests {
         s.commit().unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&real).unwrap(), b"new");
+        // also to a file that is not there yet, from another folder, by two links
+        let (sub, first, second) = (dir.path().join("sub"), dir.path().join("first"), dir.path().join("sub/second"));
+        fs::create_dir(&sub).unwrap();
+        std::os::unix::fs::symlink("sub/second", &first).unwrap();
+        std::os::unix::fs::symlink("../made", &second).unwrap();
+        write(&first, b"made").unwrap();
+        assert!([&first, &second].iter().all(|l| fs::symlink_metadata(l).unwrap().is_symlink()));
+        assert_eq!(fs::read(dir.path().join("made")).unwrap(), b"made");
+        // a circle is refused, and stays
+        let circle = dir.path().join("circle");
+        std::os::unix::fs::symlink("circle", &circle).unwrap();
+        let e = AtomicFile::create(&circle).unwrap_err().to_string();
+        assert!(e.contains("it cannot be written: its symbolic links lead in a circle"), "{e}");
+        assert!(fs::symlink_metadata(&circle).unwrap().is_symlink());
         let null = dir.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null).unwrap();
         let s = AtomicFile::create(&null).unwrap();
-        assert!(!s.is_plain());
+        assert!(!s.is_plain() && !s.is_pipe());
         s.commit().unwrap();
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    /// A header that is written last arrives first, through a FIFO too.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_gets_the_bytes_of_a_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let fifo = dir.path().join("fifo");
+        assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+        let from = fifo.clone();
+        let reader = std::thread::spawn(move || fs::read(from).unwrap());
+        let staged = AtomicFile::create(&fifo).unwrap();
+        let mut file = staged.handle().unwrap();
+        file.write_all(&vec![b'x'; 100_000]).unwrap();
+        file.rewind().unwrap();
+        file.write_all(b"head").unwrap();
+        staged.commit().unwrap();
+        assert!(reader.join().unwrap() == [&b"head"[..], &vec![b'x'; 100_000 - 4]].concat());
+        // a closed pipe is another error than a full disk
+        let from = fifo.clone();
+        let reader = std::thread::spawn(move || drop(File::open(from).unwrap()));
+        let staged = AtomicFile::create(&fifo).unwrap();
+        reader.join().unwrap();
+        staged.handle().unwrap().write_all(b"x").unwrap();
+        assert_eq!(staged.commit().unwrap_err().kind, FileErrorKind::Left);
     }
 }

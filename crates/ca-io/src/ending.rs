@@ -3,33 +3,56 @@
 //! Decides that floats hold what the model makes, beyond full scale too: nothing of them is lost, and a gain mends it later. A sound
 //! that does not die away is faded in its last 20 ms, since its end would be a click that no model makes; the rest keeps its bits.
 //! Both are of files alone: what is computed from a render has all of it. What is to be as loud as asked is written twice, the
-//! first time as floats, because how loud it is becomes known at its end.
+//! first time as floats, because how loud it is becomes known at its end. So are floats that go through a pipe: whether the model
+//! diverges is known at its end, too.
 
+use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
+use crate::flac::FlacOut;
 use crate::sound::{Format, WavOut, Written};
-use hound::WavReader;
+use crate::wav_header;
 use std::f64::consts::PI;
+use std::fs::File;
+use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 /// What a fade lasts \[s\].
 pub const FADE: f64 = 0.02;
 /// A sound that ends below is let be: −60 dB of full scale.
 pub const QUIET: f64 = 1e-3;
-/// Samples that are written again at once.
-const BLOCK: usize = 1 << 14;
+/// Frames that are written again at once.
+const BLOCK: u64 = 1 << 14;
 
 /// How a render is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ending {
     /// its samples
     pub format: Format,
+    /// whether they are kept as FLAC, and not as WAV
+    pub flac: bool,
     /// whether floats are kept within full scale, as integers are
     pub ceiling: bool,
     /// whether its end is faded, where it still sounds
     pub fade: bool,
     /// its peak, of full scale, if it is to be just as loud
     pub normalize: Option<f64>,
+}
+
+impl Ending {
+    /// True if samples beyond full scale stay.
+    fn is_unlimited(&self) -> bool {
+        self.format == Format::F32 && !self.ceiling && !self.flac
+    }
+
+    /// Begins a file of (\[Hz\], channels), of a model that `diverged`, or not.
+    fn begin(self, to: AtomicFile, path: &Path, shape: (f64, usize), diverged: bool) -> Result<SoundOut, FileError> {
+        let (rate, channels) = shape;
+        if self.flac {
+            return Ok(SoundOut::Flac(Box::new(FlacOut::over(to, path, rate, channels, self.format)?)));
+        }
+        let out = WavOut::over(to, path, rate, channels, self.format)?;
+        Ok(SoundOut::Wav(if self.is_unlimited() && !diverged { out.unlimited() } else { out }))
+    }
 }
 
 /// What became of a render.
@@ -43,29 +66,71 @@ pub struct Ended {
     pub gain: f64,
 }
 
+/// A sound file of either kind under way.
+enum SoundOut {
+    Wav(WavOut),
+    Flac(Box<FlacOut>),
+}
+
+impl SoundOut {
+    fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
+        match self {
+            SoundOut::Wav(out) => out.write(frames),
+            SoundOut::Flac(out) => out.write(frames),
+        }
+    }
+
+    fn so_far(&self) -> &Written {
+        match self {
+            SoundOut::Wav(out) => out.so_far(),
+            SoundOut::Flac(out) => out.so_far(),
+        }
+    }
+
+    fn finish(self) -> Result<Written, FileError> {
+        match self {
+            SoundOut::Wav(out) => out.finish(),
+            SoundOut::Flac(out) => out.finish(),
+        }
+    }
+}
+
 /// A render under way.
 pub struct RenderOut {
-    out: WavOut,
+    out: SoundOut,
     path: PathBuf,
     /// (\[Hz\], channels)
     shape: (f64, usize),
     ending: Ending,
+    /// what is written now, where it can be read again
+    back: Option<File>,
+    /// where it goes at the end, if that is written a second time in any case
+    last: Option<AtomicFile>,
     /// its last samples so far, as many as a fade has
     tail: Vec<f64>,
 }
 
 impl RenderOut {
-    /// Begins the file at `path`, as [`WavOut::create`].
+    /// Begins the file at `path`, as [`AtomicFile::create`].
     ///
     /// # Errors
-    /// Those of [`WavOut::create`].
+    /// Those of [`WavOut::create`] and [`FlacOut::over`].
     pub fn create(path: &Path, rate: f64, channels: usize, ending: Ending) -> Result<RenderOut, FileError> {
-        let out = match ending.normalize {
-            Some(_) => WavOut::create(staged(path), rate, channels, Format::F32)?.unlimited(),
-            None if ending.ceiling => WavOut::create(path, rate, channels, ending.format)?,
-            None => WavOut::create(path, rate, channels, ending.format)?.unlimited(),
-        };
-        Ok(RenderOut { out, path: path.to_owned(), shape: (rate, channels), ending, tail: Vec::new() })
+        let to = AtomicFile::create(path)?;
+        let (path, shape, tail) = (path.to_owned(), (rate, channels), Vec::new());
+        // what was sent through a pipe cannot be kept within full scale any more, should the model diverge
+        let twice = ending.normalize.is_some() || to.is_pipe() && ending.is_unlimited();
+        if twice {
+            // what cannot be written at the end is refused before anything is played
+            ending.begin(to.scratch()?, &path, shape, false)?;
+            let first = to.scratch()?;
+            let back = Some(first.handle()?);
+            let out = SoundOut::Wav(WavOut::over(first, &path, rate, channels, Format::F32)?.unlimited());
+            return Ok(RenderOut { out, path, shape, ending, back, last: Some(to), tail });
+        }
+        let back = to.is_plain().then(|| to.handle()).transpose()?;
+        let out = ending.begin(to, &path, shape, false)?;
+        Ok(RenderOut { out, path, shape, ending, back, last: None, tail })
     }
 
     /// Samples of a fade.
@@ -116,55 +181,45 @@ impl RenderOut {
         }
         let gain = gain(before.max(loudest(&self.tail)));
         self.out.write(&self.tail)?;
-        let again = self.ending.normalize.is_some() || diverged && self.out.so_far().level.beyond > 0;
-        let written = if again { self.again(gain, diverged)? } else { self.out.finish()? };
+        let again = self.last.is_some() || diverged && self.out.so_far().level.beyond > 0;
+        let written = match self.back.take() {
+            Some(back) if again => self.again(back, gain, diverged)?,
+            _ => self.out.finish()?,
+        };
         Ok(Ended { written, faded, gain })
     }
 
-    /// Writes all of it a second time.
-    fn again(self, gain: f64, diverged: bool) -> Result<Written, FileError> {
+    /// Writes all of it a second time, as it is read from `back`.
+    fn again(self, mut back: File, gain: f64, diverged: bool) -> Result<Written, FileError> {
         let first = self.out.finish()?;
-        let unread =
-            |e: hound::Error| FileError::format(format!("it cannot be read again: {e}")).file(first.path.display());
-        let copy = || {
-            let Ending { format, ceiling, .. } = self.ending;
-            let out = WavOut::create(&self.path, self.shape.0, self.shape.1, format)?;
-            let mut out = if ceiling || diverged { out } else { out.unlimited() };
-            let mut from = WavReader::open(&first.path).map_err(unread)?;
-            let mut block = Vec::with_capacity(BLOCK * self.shape.1);
-            for x in from.samples::<f32>() {
-                block.push(f64::from(x.map_err(unread)?) * gain);
-                if block.len() == block.capacity() {
-                    out.write(&block)?;
-                    block.clear();
-                }
-            }
+        let unread = |e: std::io::Error| FileError::io(&first.path, "it cannot be read again", &e);
+        let to = self.last.map_or_else(|| AtomicFile::create(&self.path), Ok)?;
+        let mut out = self.ending.begin(to, &self.path, self.shape, diverged)?;
+        let channels = self.shape.1;
+        let header = wav_header::open(Format::F32, first.rate, channels as u16).len();
+        back.seek(SeekFrom::Start(header as u64)).map_err(unread)?;
+        let mut left = first.frames;
+        while left > 0 {
+            let n = left.min(BLOCK);
+            let mut bytes = vec![0; n as usize * channels * 4];
+            back.read_exact(&mut bytes).map_err(unread)?;
+            let samples = bytes.as_chunks::<4>().0.iter();
+            let block: Vec<f64> = samples.map(|b| f64::from(f32::from_le_bytes(*b)) * gain).collect();
             out.write(&block)?;
-            out.finish()
-        };
-        let copied = copy();
-        if first.path != self.path {
-            let _ = std::fs::remove_file(&first.path);
+            left -= n;
         }
-        let mut written = copied?;
+        let mut written = out.finish()?;
         written.level.non_finite = first.level.non_finite;
         Ok(written)
     }
 }
 
-/// Where a sound stands that is to be written twice: beside it, under a name that nobody has.
-fn staged(path: &Path) -> PathBuf {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos();
-    let mut all = (0..u128::MAX).map(|i| path.with_file_name(format!(".{name}.{:x}.float", since + i)));
-    all.find(|p| std::fs::symlink_metadata(p).is_err()).unwrap_or_else(|| path.to_owned())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use hound::WavReader;
 
-    const ENDING: Ending = Ending { format: Format::F32, ceiling: false, fade: true, normalize: None };
+    const ENDING: Ending = Ending { format: Format::F32, flac: false, ceiling: false, fade: true, normalize: None };
 
     fn render(ending: Ending, samples: &[f64], diverged: bool) -> (Vec<f64>, Ended) {
         let dir = tempfile::tempdir().unwrap();
@@ -233,6 +288,30 @@ mod tests {
         assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 3);
         // and what is faded is as loud as asked afterwards
         assert!((ended.written.level.peak[0] - 0.5).abs() < 1e-7, "{:?}", ended.written.level);
+    }
+
+    /// A pipe gets what a file gets, whatever is done to the sound at its end.
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_gets_the_bytes_of_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let (file, fifo) = (dir.path().join("a.wav"), dir.path().join("fifo"));
+        assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
+        let samples = [0.5, -2.0].repeat(5000);
+        let normalize = Ending { normalize: Some(0.5), ..ENDING };
+        let flac = Ending { format: Format::I16, flac: true, ..ENDING };
+        for (ending, diverged) in [(ENDING, false), (ENDING, true), (normalize, false), (flac, false), (flac, true)] {
+            let from = fifo.clone();
+            let reader = std::thread::spawn(move || std::fs::read(from).unwrap());
+            let [whole, sent] = [&file, &fifo].map(|path| {
+                let mut out = RenderOut::create(path, 1000.0, 2, ending).unwrap();
+                samples.chunks(14).for_each(|c| out.write(c).unwrap());
+                out.finish(diverged).unwrap().written.level
+            });
+            assert_eq!(whole, sent);
+            let bytes = std::fs::read(&file).unwrap();
+            assert!(bytes.len() > 100 && bytes == reader.join().unwrap(), "{ending:?} {diverged}");
+        }
     }
 
     #[test]

@@ -21,8 +21,8 @@ pub enum FileErrorKind {
     Content,
     /// the request does not fit the file: a missing rate, a number of channels
     Usage,
-    /// the format holds no more: 4 GiB of WAV
-    Full,
+    /// the reader of a pipe went away
+    Left,
 }
 
 /// Why a file could not be read or written.

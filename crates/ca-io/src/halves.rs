@@ -9,6 +9,7 @@
 
 use crate::error::FileError;
 use crate::gesture::Gesture;
+use crate::length::Length;
 use crate::perform::Performance;
 use ca_core::scene::{Half, Halves};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -125,8 +126,9 @@ impl Part<'_> {
 /// What is done with outputs, rows of the whole scene one after the other, and with how many there have been.
 pub type Sink<'a, E> = dyn FnMut(&[f64], u64) -> Result<(), E> + 'a;
 
-/// Plays `frames` samples of a scene, `whole`, that has not begun, as its `halves`; `gesture` is that of `whole`. After
-/// every `block` of samples, `heard` gets their outputs. What is returned is `whole` at its end.
+/// Plays a scene, `whole`, that has not begun, as its `halves`. `gesture` is the gesture of `whole`. After every `block` of
+/// samples, `heard` gets their outputs. Returns `whole` at its end. If the sound has died away before the length is over, the
+/// second half is some blocks ahead, and so are its places.
 ///
 /// # Errors
 /// Those of `heard`, which end it; where the gesture does not fit.
@@ -134,7 +136,7 @@ pub fn play<'a, E: From<FileError>>(
     mut whole: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
-    (frames, block): (u64, u64),
+    (length, block): (impl Into<Length>, u64),
     heard: &mut Sink<E>,
 ) -> Result<Performance<'a>, E> {
     let boxes = halves.halves.each_ref().map(|h| Mailbox::new(h.shared.len()));
@@ -152,7 +154,8 @@ pub fn play<'a, E: From<FileError>>(
     let [of_a, of_b]: [Vec<f64>; 2] = [placed(first, &a), placed(second, &b)];
     let mut a = Part { half: first, performance: a, mine: &boxes[0], other: &boxes[1], ghosts: of_a, ticks: 0 };
     let mut b = Part { half: second, performance: b, mine: &boxes[1], other: &boxes[0], ghosts: of_b, ticks: 0 };
-    let n_out = whole.scene.n_out;
+    let mut length = length.into();
+    let (shape, frames) = ((whole.scene.n_out, whole.scene.channels), length.frames);
     let (send, receive) = sync_channel(AHEAD);
     let blocks = || (0..frames.div_ceil(block)).map(move |i| block.min(frames - i * block));
     let played = std::thread::scope(|threads| {
@@ -164,7 +167,7 @@ pub fn play<'a, E: From<FileError>>(
         });
         let played = {
             let _leaving = Leaving(a.mine);
-            mixed(&mut a, (second, &receive), n_out, blocks(), heard)
+            mixed(&mut a, (second, &receive), shape, blocks(), (heard, &mut length))
         };
         // nobody takes its blocks any more
         drop(receive);
@@ -191,13 +194,13 @@ fn sent(part: &mut Part, n: u64, to: &SyncSender<Vec<f64>>) -> bool {
     part.block(n, &mut rows) && to.send(rows).is_ok()
 }
 
-/// Plays all blocks of the first half, and hands them on with those of the second.
+/// Plays the blocks of the first half until the sound has died away, and hands them on with the blocks of the second.
 fn mixed<E>(
     part: &mut Part,
     (second, receive): (&Half, &Receiver<Vec<f64>>),
-    n_out: usize,
+    (n_out, channels): (usize, usize),
     blocks: impl Iterator<Item = u64>,
-    heard: &mut Sink<E>,
+    (heard, length): (&mut Sink<E>, &mut Length),
 ) -> Result<(), E> {
     let (mut rows, mut all) = (Vec::new(), Vec::new());
     let mut done = 0;
@@ -220,6 +223,9 @@ fn mixed<E>(
         }
         done += n;
         heard(&all, done)?;
+        if !length.hear(&all, n_out, channels) {
+            break;
+        }
     }
     Ok(())
 }

@@ -43,8 +43,10 @@ pub mod cloud;
 pub mod ending;
 pub mod error;
 pub mod files;
+pub mod flac;
 pub mod gesture;
 pub mod halves;
+pub mod length;
 pub mod live_midi;
 pub mod perform;
 pub mod probe;
@@ -53,5 +55,6 @@ pub mod recording;
 pub mod running;
 pub mod slow;
 pub mod sound;
+mod wav_header;
 
 pub use error::{FileError, FileErrorKind};

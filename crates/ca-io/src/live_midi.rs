@@ -4,7 +4,7 @@
 //! that ports move as they do from a file ([`MidiPort`]); and that what moves nothing is told, not dropped in silence, though
 //! each kind of it only once. A controller up to 31 is fine where the one 32 above it follows (14 bits).
 
-use crate::gesture::{Glide, MidiPort, PortMap};
+use crate::gesture::{MidiPort, Motion, PortMap};
 use midly::MidiMessage;
 use midly::live::LiveEvent;
 use midly::stream::MidiStream;
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Played {
     /// a port goes somewhere
-    Port(String, Glide),
+    Port(String, Motion),
     /// a controller went to a part of its way, 0 … 1; whoever wants may bind it
     Control {
         /// from 1
@@ -23,7 +23,7 @@ pub enum Played {
         number: u8,
         /// 0 … 1
         part: f64,
-        /// true where it moved a port
+        /// true where a port follows it
         used: bool,
     },
     /// nothing listens to it, in words; once for each kind
@@ -39,14 +39,16 @@ pub struct LiveMidi {
     ports: Vec<(String, MidiPort)>,
     /// upper seven bits of the controllers that may be fine
     coarse: [[u8; 32]; 16],
-    unheard: BTreeSet<(u8, u8)>,
+    /// channels with what was told of them
+    told: BTreeSet<(u8, String)>,
 }
 
 impl LiveMidi {
     /// With no note held.
     pub fn new(ports: &[PortMap]) -> LiveMidi {
-        let port = |p: &PortMap| (p.port.clone(), MidiPort::new(&p.map));
-        LiveMidi { ports: ports.iter().map(port).collect(), coarse: [[0; 32]; 16], unheard: BTreeSet::new() }
+        let names = ports.iter().map(|p| p.port.clone());
+        let ports = names.zip(MidiPort::all(ports)).collect();
+        LiveMidi { ports, coarse: [[0; 32]; 16], told: BTreeSet::new() }
     }
 
     /// Whether some port listens.
@@ -69,39 +71,50 @@ impl LiveMidi {
         let moved =
             |(name, port): &mut (String, MidiPort)| Some(Played::Port(name.clone(), port.event(channel, message)?));
         let mut all: Vec<Played> = self.ports.iter_mut().filter_map(moved).collect();
-        let used = !all.is_empty();
+        let used = self.ports.iter().any(|(_, port)| port.follows(channel, message));
         match message {
             MidiMessage::Controller { controller, value } => {
                 let (number, value) = (controller.as_int(), value.as_int());
                 let coarse = &mut self.coarse[usize::from(channel - 1)];
-                let (number, part) = match number {
+                let (number, part, used) = match number {
                     0..=31 => {
                         coarse[usize::from(number)] = value;
-                        (number, f64::from(value) / 127.0)
+                        (number, f64::from(value) / 127.0, used)
                     }
                     32..=63 => {
                         let all = u16::from(coarse[usize::from(number - 32)]) << 7 | u16::from(value);
-                        (number - 32, f64::from(all) / 16383.0)
+                        let whole = MidiMessage::Controller { controller: (number - 32).into(), value: 0.into() };
+                        let used = used || self.ports.iter().any(|(_, port)| port.follows(channel, whole));
+                        (number - 32, f64::from(all) / 16383.0, used)
                     }
-                    _ => (number, f64::from(value) / 127.0),
+                    _ => (number, f64::from(value) / 127.0, used),
                 };
                 // those from 120 on are orders to the channel
                 if number < 120 {
                     all.push(Played::Control { channel, number, part, used });
                 }
             }
-            MidiMessage::NoteOn { key, vel } if vel > 0 && !used && self.unheard.insert((channel, key.as_int())) => {
-                all.push(Played::Unheard(format!("note {} on channel {channel} moves no port", key.as_int())));
-            }
+            _ if used => {}
+            MidiMessage::NoteOn { key, vel } if vel > 0 => all.extend(self.unheard(channel, format!("note {key}"))),
+            MidiMessage::PitchBend { .. } => all.extend(self.unheard(channel, "pitch bend".into())),
+            MidiMessage::ChannelAftertouch { .. } => all.extend(self.unheard(channel, "channel pressure".into())),
+            MidiMessage::Aftertouch { .. } => all.extend(self.unheard(channel, "key pressure".into())),
             _ => {}
         }
         all
+    }
+
+    /// Tells of what moves nothing, once.
+    fn unheard(&mut self, channel: u8, what: String) -> Option<Played> {
+        let text = format!("{what} on channel {channel} moves no port");
+        self.told.insert((channel, what)).then_some(Played::Unheard(text))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gesture::Glide;
     use ca_core::io::midi::{MidiMap, MidiSource};
 
     fn port(name: &str, source: MidiSource) -> PortMap {
@@ -123,8 +136,12 @@ mod tests {
         Keys(LiveMidi::new(&ports), Cable::default())
     }
 
+    fn moved(name: &str, to: f64, over: f64) -> Played {
+        Played::Port(name.into(), Motion { lift: None, glide: Glide { to, over } })
+    }
+
     fn glides(to: f64, over: f64) -> Played {
-        Played::Port("key".into(), Glide { to, over })
+        moved("key", to, over)
     }
 
     #[test]
@@ -146,6 +163,24 @@ mod tests {
         let note = midi.feed(&[0x91, 30, 9, 30, 9]);
         assert_eq!(note, [Played::Unheard("note 30 on channel 2 moves no port".into())]);
         assert_eq!(midi.feed(&[0x91, 30, 9]), []);
+        for (bytes, what) in
+            [(&[0xe1, 0, 0][..], "pitch bend"), (&[0xd1, 5], "channel pressure"), (&[0xa1, 60, 5], "key pressure")]
+        {
+            assert_eq!(midi.feed(bytes), [Played::Unheard(format!("{what} on channel 2 moves no port"))]);
+            assert_eq!(midi.feed(bytes), []);
+        }
+    }
+
+    #[test]
+    fn the_pedal_holds_a_note_and_a_note_under_it_comes_up_first() {
+        let mut midi = key();
+        let pedal = |value| Played::Control { channel: 1, number: 64, part: f64::from(value) / 127.0, used: true };
+        assert_eq!(midi.feed(&[0xb0, 64, 127]), [pedal(127)]);
+        assert_eq!(midi.feed(&[0x90, 60, 127, 60, 0]), [glides(2.0, 0.25)]);
+        let up = Glide { to: 1.0, over: 0.5 };
+        let again = Motion { lift: Some(up), glide: Glide { to: 2.0, over: 0.25 } };
+        assert_eq!(midi.feed(&[0x90, 61, 127, 61, 0]), [Played::Port("key".into(), again)]);
+        assert_eq!(midi.feed(&[0xb0, 64, 63]), [glides(1.0, 0.5), pedal(63)]);
     }
 
     #[test]
@@ -153,9 +188,8 @@ mod tests {
         let mut midi = key();
         let control = |number, part, used| Played::Control { channel: 1, number, part, used };
         assert_eq!(midi.feed(&[0xb0, 74, 127]), [control(74, 1.0, false)]);
-        let moved = Played::Port("mod".into(), Glide { to: 2.0, over: 0.25 });
-        assert_eq!(midi.feed(&[0xb0, 1, 127]), [moved, control(1, 1.0, true)]);
-        assert_eq!(midi.feed(&[0xb0, 33, 127]), [control(1, 1.0, false)]);
+        assert_eq!(midi.feed(&[0xb0, 1, 127]), [moved("mod", 2.0, 0.25), control(1, 1.0, true)]);
+        assert_eq!(midi.feed(&[0xb0, 33, 127]), [control(1, 1.0, true)]);
         assert_eq!(
             midi.feed(&[0xb0, 2, 64, 34, 0]),
             [control(2, 64.0 / 127.0, false), control(2, 8192.0 / 16383.0, false)]

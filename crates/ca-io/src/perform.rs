@@ -23,6 +23,8 @@ const LOOK: u64 = 64;
 /// Seconds of silence after a gesture, and the least of everything.
 const TAIL: f64 = 2.0;
 const LEAST: f64 = 3.0;
+/// Seconds that a sound has to die away after the last event of a MIDI file.
+const RING: f64 = 10.0;
 
 /// What a track drives.
 enum Target {
@@ -60,6 +62,8 @@ pub struct Performance<'a> {
     /// its live parameters
     pub controls: Controls,
     drives: Vec<Drive>,
+    /// time of the last event of a MIDI file \[s\]
+    midi_ends: Option<f64>,
     /// the last change of a parameter, kept for its room
     patch: Patch,
     /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
@@ -78,6 +82,7 @@ impl<'a> Performance<'a> {
             state: scene.state(),
             controls: scene.controls(),
             drives: Vec::new(),
+            midi_ends: gesture.filter(|g| g.is_midi()).map(Gesture::duration),
             patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
             diverged: false,
         };
@@ -130,6 +135,11 @@ impl<'a> Performance<'a> {
     /// Seconds until the last gesture has ended; 0 without gestures.
     pub fn duration(&self) -> f64 {
         self.drives.iter().map(|d| d.track.duration()).fold(0.0, f64::max)
+    }
+
+    /// Seconds until a gesture that has a MIDI file in it has ended.
+    pub fn midi_ends(&self) -> Option<f64> {
+        self.midi_ends
     }
 
     /// Live parameters whose gesture has left their range so far, where they stayed at its end: each with the first value
@@ -273,9 +283,11 @@ pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
         .map(|(name, points)| Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()))
 }
 
-/// How long a scene is played \[s\]: as asked, as its author says, or until its gestures have died away.
+/// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or
+/// until its gestures have died away.
 pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
-    asked.or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+    let midi = p.midi_ends.map(|end| end + RING);
+    asked.or(midi).or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
 }
 
 /// Samples in so many seconds; at least one.

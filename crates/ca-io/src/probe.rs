@@ -90,7 +90,7 @@ impl ProbeOut {
     /// Where the disk takes no more; the file is then removed.
     pub fn finish(mut self) -> Result<u64, FileError> {
         let mut done = self.out.flush();
-        if matches!(self.kind, Kind::Npy) && self.staged.is_plain() {
+        if matches!(self.kind, Kind::Npy) {
             done = done
                 .and_then(|()| self.out.seek(SeekFrom::Start(0)))
                 .and_then(|_| self.out.write_all(&header(self.frames, self.columns)))

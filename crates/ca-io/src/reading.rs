@@ -5,7 +5,7 @@
 
 use crate::error::FileError;
 use std::fs::File;
-use std::io::Read as _;
+use std::io::Read;
 use std::path::Path;
 
 /// What is read between two looks at it \[bytes\].
@@ -18,6 +18,12 @@ pub struct Limit {
     pub megabytes: u64,
     /// what to do about more
     pub fix: &'static str,
+}
+
+impl Limit {
+    fn bytes(self) -> u64 {
+        self.megabytes * 1_000_000
+    }
 }
 
 /// Models, and whatever else people write: plans, profiles, calibrations.
@@ -44,21 +50,33 @@ pub fn bytes(path: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
     read(path, limit, false)
 }
 
+/// A text that comes from elsewhere than a file, which messages call `name`, not decoded.
+///
+/// # Errors
+/// As [`text`].
+pub fn text_from(from: &mut dyn Read, name: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
+    drain(from, name, limit, true)
+}
+
+fn too_large(path: &Path, limit: Limit) -> FileError {
+    let what = format!("it is larger than the {} MB that are read of such a file", limit.megabytes);
+    FileError::content(what).file(path.display()).fix(limit.fix)
+}
+
 fn read(path: &Path, limit: Limit, text: bool) -> Result<Vec<u8>, FileError> {
-    let fail = |e: std::io::Error| FileError::io(path, "it cannot be read", &e);
-    let most = limit.megabytes * 1_000_000;
-    let too_large = || {
-        let what = format!("it is larger than the {} MB that are read of such a file", limit.megabytes);
-        FileError::content(what).file(path.display()).fix(limit.fix)
-    };
-    let mut file = File::open(path).map_err(fail)?;
-    if file.metadata().is_ok_and(|m| m.is_file() && m.len() > most) {
-        return Err(too_large());
+    let mut file = File::open(path).map_err(|e| FileError::io(path, "it cannot be read", &e))?;
+    if file.metadata().is_ok_and(|m| m.is_file() && m.len() > limit.bytes()) {
+        return Err(too_large(path, limit));
     }
+    drain(&mut file, path, limit, text)
+}
+
+fn drain(from: &mut dyn Read, path: &Path, limit: Limit, text: bool) -> Result<Vec<u8>, FileError> {
+    let fail = |e: std::io::Error| FileError::io(path, "it cannot be read", &e);
     let mut all = Vec::new();
     loop {
         let before = all.len();
-        let n = (&mut file).take(CHUNK).read_to_end(&mut all).map_err(fail)?;
+        let n = (&mut *from).take(CHUNK).read_to_end(&mut all).map_err(fail)?;
         if n == 0 {
             return Ok(all);
         }
@@ -66,8 +84,8 @@ fn read(path: &Path, limit: Limit, text: bool) -> Result<Vec<u8>, FileError> {
             let e = FileError::format(format!("it is no text: byte {} is NUL", before + at));
             return Err(e.file(path.display()).fix("name a text file, saved as UTF-8"));
         }
-        if all.len() as u64 > most {
-            return Err(too_large());
+        if all.len() as u64 > limit.bytes() {
+            return Err(too_large(path, limit));
         }
     }
 }

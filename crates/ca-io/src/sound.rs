@@ -9,26 +9,23 @@
 //! and the noise of a render is then the model's. Its price is distortion where sound fades below −90 dB in 16 bits;
 //! 24 bits, the answer to that, cost half as much again.
 //!
-//! The header is hound's; samples go to the file as bytes, since sample by sample through its writer took longer than the
-//! sound of a short string.
+//! The header is ours (`wav_header.rs`): hound knows no `RF64`, no `fact` and no pad byte. Samples go to the file as bytes, since
+//! sample by sample through its writer took longer than the sound of a short string.
 //!
 //! The file takes its place only when it is finished (`atomic_file.rs`). Beyond two channels the header assigns no
 //! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop
 //! the fourth one.
 
 use crate::atomic_file::AtomicFile;
-use crate::error::{FileError, FileErrorKind};
+use crate::error::FileError;
+use crate::wav_header;
 use ca_model::quantity::Plain;
-use hound::{SampleFormat, WavSpec};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Most channels of one file.
 pub const MAX_CHANNELS: usize = 256;
-
-/// Longest data of a WAV file \[bytes\]: its lengths are 32 bits, and the header needs some of them.
-const MAX_DATA: u64 = u32::MAX as u64 - 100;
 
 /// Bytes that go to the file at once.
 const ROOM: usize = 1 << 16;
@@ -182,11 +179,10 @@ pub struct WavOut {
     format: Format,
     /// whether floats may be beyond full scale
     unlimited: bool,
-    /// bytes of the header; the last four are the length of what follows
-    header: u32,
+    /// the header, whose sizes are open
+    header: Vec<u8>,
     /// bytes under way to the file
     bytes: Vec<u8>,
-    limit: u64,
     written: Written,
 }
 
@@ -197,6 +193,20 @@ impl WavOut {
     /// Where the file cannot be made, or a WAV cannot have this rate or so many channels.
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
+        WavOut::over(AtomicFile::create(path)?, path, rate, channels, format)
+    }
+
+    /// The same over a file that was begun, which messages call `path`.
+    ///
+    /// # Errors
+    /// As [`WavOut::create`].
+    pub fn over(
+        staged: AtomicFile,
+        path: &Path,
+        rate: f64,
+        channels: usize,
+        format: Format,
+    ) -> Result<WavOut, FileError> {
         if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
             let e =
                 FileError::usage(format!("a WAV file cannot have a rate of {} Hz", Plain(rate))).file(path.display());
@@ -206,32 +216,11 @@ impl WavOut {
             let e = FileError::usage(format!("{channels} channels")).file(path.display());
             return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
         }
-        let sample_format = if format == Format::F32 { SampleFormat::Float } else { SampleFormat::Int };
-        let spec = WavSpec {
-            channels: channels as u16,
-            sample_rate: rate as u32,
-            bits_per_sample: format.bits(),
-            sample_format,
-        };
-        let mut bytes = spec.into_header_for_infinite_file();
-        let header = bytes.len() as u32;
-        if channels > 2 {
-            // dwChannelMask of WAVEFORMATEXTENSIBLE
-            bytes[40..44].fill(0);
-        }
-        let staged = AtomicFile::create(path)?;
+        let header = wav_header::open(format, rate as u32, channels as u16);
         let file = staged.handle()?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
-        Ok(WavOut {
-            file,
-            staged,
-            format,
-            unlimited: false,
-            header,
-            bytes,
-            limit: MAX_DATA / (channels as u64 * u64::from(format.bits() / 8)),
-            written,
-        })
+        let bytes = header.clone();
+        Ok(WavOut { file, staged, format, unlimited: false, header, bytes, written })
     }
 
     /// The same, where floats beyond full scale stay as they are.
@@ -243,17 +232,12 @@ impl WavOut {
     /// Appends whole frames of interleaved samples.
     ///
     /// # Errors
-    /// Where the disk takes no more, or the file would be larger than a WAV can be.
+    /// When the disk is full.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let n = self.written.level.peak.len();
         if !frames.len().is_multiple_of(n) {
             let what = format!("{} samples are no whole frames of {n} channels", frames.len());
             return Err(FileError::usage(what).file(self.written.path.display()));
-        }
-        if self.written.frames + (frames.len() / n) as u64 > self.limit {
-            let e = FileError::new(FileErrorKind::Full, "a WAV file holds 4 GiB, and they are full");
-            let e = e.file(self.written.path.display()).at(format!("{:.0} s", self.written.duration()));
-            return Err(e.fix("render less time, fewer outputs or fewer bits"));
         }
         let from = self.bytes.len();
         self.bytes.resize(from + frames.len() * usize::from(self.format.bits() / 8), 0);
@@ -300,34 +284,51 @@ impl WavOut {
     /// Where it took none, or not even this; the file is then removed.
     pub fn finish_short(mut self) -> Result<Written, FileError> {
         let _ = self.flush();
-        let frame = (self.written.level.peak.len() * usize::from(self.format.bits() / 8)) as u64;
+        let (frame, header) = (self.frame(), self.header.len() as u64);
         let failed = |e: &std::io::Error| FileError::io(&self.written.path, "it cannot be written", e);
         let length = self.file.metadata().map_err(|e| failed(&e))?.len();
-        let frames = length.saturating_sub(self.header.into()) / frame;
+        let frames = length.saturating_sub(header) / frame;
+        // an even number of bytes: a full disk does not take a pad byte
+        let frames = frames - frames * frame % 2;
         if frames == 0 {
             return Err(FileError::content("nothing of it is on the disk").file(self.written.path.display()));
         }
-        self.file.set_len(u64::from(self.header) + frames * frame).map_err(|e| failed(&e))?;
+        self.file.set_len(header + frames * frame).map_err(|e| failed(&e))?;
         self.written.frames = frames;
         self.complete()
     }
 
+    /// Bytes of a frame.
+    fn frame(&self) -> u64 {
+        (self.written.level.peak.len() * usize::from(self.format.bits() / 8)) as u64
+    }
+
     fn complete(self) -> Result<Written, FileError> {
-        let WavOut { mut file, staged, format, header, written, .. } = self;
-        let data = written.frames as u32 * written.level.peak.len() as u32 * u32::from(format.bits() / 8);
-        // what was not known at the beginning: the length of all behind the length, and of the samples
-        let mut put = |at: u32, length: u32| {
-            file.seek(SeekFrom::Start(at.into())).and_then(|_| file.write_all(&length.to_le_bytes()))
-        };
-        put(4, data + header - 8)
-            .and_then(|()| put(header - 4, data))
+        let data = self.written.frames * self.frame();
+        let WavOut { mut file, staged, format, mut header, written, .. } = self;
+        wav_header::close(&mut header, format, written.frames, data);
+        // chunks begin at even places
+        let pad = &[0][..(data % 2) as usize];
+        let end = SeekFrom::Start(header.len() as u64 + data);
+        let put = file.seek(end).and_then(|_| file.write_all(pad));
+        put.and_then(|()| file.seek(SeekFrom::Start(0)))
+            .and_then(|_| file.write_all(&header))
             .map_err(|e| FileError::io(&written.path, "it cannot be written", &e))?;
         staged.commit()?;
         Ok(written)
     }
 }
 
-fn integer(x: f64, full: f64) -> i32 {
+/// The bytes of a WAV file of 32-bit floats: interleaved samples, whole frames.
+pub fn floats(samples: &[f32], channels: usize, rate: u32) -> Vec<u8> {
+    let mut bytes = wav_header::open(Format::F32, rate, channels as u16);
+    let frames = samples.len() / channels.max(1);
+    wav_header::close(&mut bytes, Format::F32, frames as u64, 4 * samples.len() as u64);
+    bytes.extend(samples.iter().flat_map(|x| x.to_le_bytes()));
+    bytes
+}
+
+pub(crate) fn integer(x: f64, full: f64) -> i32 {
     (x * full).round_ties_even().min(full - 1.0) as i32
 }
 

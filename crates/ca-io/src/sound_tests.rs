@@ -1,6 +1,7 @@
 //! Tests of [`super`].
 
 use super::*;
+use crate::FileErrorKind;
 use hound::WavReader;
 
 const ODD: [f64; 8] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.5, -7.0, 0.1];
@@ -38,8 +39,7 @@ fn what_a_disk_took_before_it_was_full_is_kept() {
     let path = dir.path().join("a.wav");
     let create = || WavOut::create(&path, 48_000.0, 2, Format::F32).unwrap();
     let mut out = create();
-    out.limit = 1000;
-    while out.write(&[0.25, -0.5].repeat(100)).is_ok() {}
+    out.write(&[0.25, -0.5].repeat(1000)).unwrap();
     // half a frame more, as a disk leaves it
     out.flush().unwrap();
     out.file.write_all(&[1, 2, 3, 4]).unwrap();
@@ -79,11 +79,12 @@ fn many_channels_have_a_proper_header() {
             let written = out.finish().unwrap();
             assert_eq!((written.level.peak.as_slice(), written.frames), (&frame[..], 2));
             let bytes = std::fs::read(&path).unwrap();
-            assert_eq!(u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize, bytes.len() - 8);
-            assert_eq!(usize::from(u16::from_le_bytes([bytes[22], bytes[23]])), channels);
+            assert_eq!((number(&bytes, 4) as usize, bytes.len() % 2), (bytes.len() - 8, 0));
+            let format_at = at(&bytes, b"fmt ") + 8;
+            assert_eq!(usize::from(u16::from_le_bytes([bytes[format_at + 2], bytes[format_at + 3]])), channels);
             if channels > 2 {
-                assert_eq!(bytes[20..22], [0xfe, 0xff], "WAVEFORMATEXTENSIBLE");
-                assert_eq!(bytes[40..44], [0; 4], "no loudspeakers");
+                assert_eq!(bytes[format_at..format_at + 2], [0xfe, 0xff], "WAVEFORMATEXTENSIBLE");
+                assert_eq!(bytes[format_at + 20..format_at + 24], [0; 4], "no loudspeakers");
             }
             let mut file = WavReader::new(&bytes[..]).unwrap();
             assert_eq!(usize::from(file.spec().channels), channels);
@@ -108,18 +109,83 @@ fn refuses_what_a_wav_file_cannot_be() {
     }
     let mut out = WavOut::create(&path, 48e3, 2, Format::I16).unwrap();
     assert_eq!(out.write(&[0.0; 3]).unwrap_err().kind, FileErrorKind::Usage);
-    out.limit = 2;
-    out.write(&[0.0; 4]).unwrap();
-    let e = out.write(&[0.0; 2]).unwrap_err();
-    assert_eq!((e.kind, out.so_far().frames), (FileErrorKind::Full, 2));
     drop(out);
     assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 0, "an unfinished file leaves nothing");
 }
 
+/// The offset of a chunk.
+fn at(file: &[u8], chunk: &[u8]) -> usize {
+    file.windows(4).position(|w| w == chunk).unwrap_or_else(|| panic!("{chunk:?}"))
+}
+
+fn number(file: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(file[at..at + 4].try_into().unwrap())
+}
+
 #[test]
-fn four_gib_is_the_limit_of_the_header() {
+fn samples_of_an_odd_number_of_bytes_are_padded() {
+    for (frames, pad) in [(5, 1), (6, 0)] {
+        let (_dir, written) = render(Format::I24, &vec![0.5; frames]);
+        let bytes = std::fs::read(&written.path).unwrap();
+        let data = at(&bytes, b"data");
+        assert_eq!((number(&bytes, data + 4) as usize, bytes.len()), (3 * frames, data + 8 + 3 * frames + pad));
+        assert_eq!((number(&bytes, 4) as usize, bytes.len() % 2), (bytes.len() - 8, 0));
+    }
+    // a full disk does not take the pad byte
     let dir = tempfile::tempdir().unwrap();
-    let out = WavOut::create(dir.path().join("a.wav"), 48e3, 64, Format::F32).unwrap();
-    let bytes = out.limit * 64 * 4;
-    assert!(bytes + 68 < 1 << 32 && bytes > (1 << 32) - 1000);
+    let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 1, Format::I24).unwrap();
+    out.write(&[0.5; 5]).unwrap();
+    assert_eq!(out.finish_short().unwrap().frames, 4);
+}
+
+#[test]
+fn floats_say_how_many_frames_there_are() {
+    let (_dir, written) = render(Format::F32, &ODD);
+    let bytes = std::fs::read(&written.path).unwrap();
+    let fact = at(&bytes, b"fact");
+    assert_eq!((number(&bytes, fact + 4), number(&bytes, fact + 8)), (4, 8));
+    let (_dir, written) = render(Format::I16, &ODD);
+    assert!(!std::fs::read(&written.path).unwrap().windows(4).any(|w| w == b"fact"), "integers need none");
+}
+
+#[test]
+fn a_file_in_memory_is_that_on_disk() {
+    let samples = [0.25_f32, -0.5, 1.0, 0.0];
+    let dir = tempfile::tempdir().unwrap();
+    let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 2, Format::F32).unwrap();
+    out.write(&samples.map(f64::from)).unwrap();
+    assert_eq!(floats(&samples, 2, 48_000), std::fs::read(out.finish().unwrap().path).unwrap());
+}
+
+#[test]
+fn beyond_4_gib_the_sizes_have_64_bits() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.wav");
+    // the largest with sizes of 32 bits, and the next one
+    let header = wav_header::open(Format::F32, 48_000, 2).len() as u64;
+    let most = (u64::from(u32::MAX) + 8 - header) / 8;
+    for frames in [most, most + 1] {
+        let mut out = WavOut::create(&path, 48_000.0, 2, Format::F32).unwrap();
+        out.flush().unwrap();
+        // a file with a hole, which takes no room
+        out.file.set_len(header + 8 * frames).unwrap();
+        out.written.frames = frames;
+        out.complete().unwrap();
+        let file = File::open(&path).unwrap();
+        assert_eq!(file.metadata().unwrap().len(), header + 8 * frames);
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut std::io::Read::take(file, header), &mut bytes).unwrap();
+        let (data, fact) = (at(&bytes, b"data"), at(&bytes, b"fact"));
+        if frames == most {
+            assert_eq!((&bytes[..4], at(&bytes, b"JUNK")), (&b"RIFF"[..], 12));
+            assert_eq!(u64::from(number(&bytes, data + 4)), 8 * frames);
+            assert_eq!(u64::from(number(&bytes, 4)), header + 8 * frames - 8);
+        } else {
+            let long = |at| u64::from(number(&bytes, at)) | u64::from(number(&bytes, at + 4)) << 32;
+            assert_eq!((&bytes[..4], at(&bytes, b"ds64"), number(&bytes, 16)), (&b"RF64"[..], 12, 28));
+            assert_eq!((number(&bytes, 4), number(&bytes, data + 4)), (u32::MAX, u32::MAX));
+            assert_eq!([20, 28, 36].map(long), [header + 8 * frames - 8, 8 * frames, frames]);
+        }
+        assert_eq!(u64::from(number(&bytes, fact + 8)), frames);
+    }
 }

@@ -22,7 +22,7 @@ pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
 }
 
 /// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
-/// What of a file moves nothing is handed to `note`.
+/// Remarks on a file are handed to `note`.
 ///
 /// # Errors
 /// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
@@ -34,7 +34,7 @@ pub fn open(
     note: &mut dyn FnMut(&str),
 ) -> Result<Option<Gesture>, Failure> {
     let ports = port_maps(scene);
-    let mut tracks: Vec<Track> = Vec::new();
+    let mut all = Vec::new();
     for text in files {
         let (port, file) = port_and_file(text, folder);
         let file = &*folder.join(file);
@@ -45,23 +45,20 @@ pub fn open(
         } else {
             Gesture::open(file, &ports, rate.filter(|_| array))?
         };
-        if let Some(what) = gesture.unheard() {
+        for what in gesture.remarks() {
             note(&format!("`{}`: {what}", file.display()));
         }
-        match (port, gesture.tracks()) {
-            (None, all) => {
-                nameless(all, scene, file)?;
-                tracks.extend(all.iter().cloned());
-            }
-            (Some(port), [one]) => tracks.push(one.clone().named(port)),
-            (Some(port), all) => {
-                let names = ticked(all.iter().map(Track::name));
-                let what = format!("`{}` has {} tracks, {names}", file.display(), all.len());
-                return Err(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")));
-            }
-        }
+        let Some(port) = port else {
+            nameless(gesture.tracks(), scene, file)?;
+            all.push(gesture);
+            continue;
+        };
+        let names = ticked(gesture.tracks().iter().map(Track::name));
+        let what = format!("`{}` has {} tracks, {names}", file.display(), gesture.tracks().len());
+        let one = gesture.named(port);
+        all.push(one.ok_or(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")))?);
     }
-    Ok(if files.is_empty() { None } else { Some(Gesture::new(tracks)?) })
+    Ok(if files.is_empty() { None } else { Some(Gesture::together(all)?) })
 }
 
 /// Refuses a single `ch0` that nobody is called by, with the way to name it.

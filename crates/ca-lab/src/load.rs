@@ -14,7 +14,7 @@ use ca_model::render::line_column;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
 use cordis_anima::loaded;
-pub use cordis_anima::loaded::stem;
+pub use cordis_anima::loaded::{stem, utf8};
 pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
 
@@ -107,6 +107,11 @@ pub fn reread(loaded: &Loaded, text: &str) -> Loaded {
 
 fn no_model(word: &str) -> String {
     let path = Path::new(word);
+    if path.is_symlink() {
+        return format!(
+            "`{word}`: it is a symbolic link that leads to no file; name the file itself, or make the link anew"
+        );
+    }
     let like_a_file = word.contains(['/', '\\']) || path.extension().is_some();
     let files: Vec<String> = path
         .parent()
@@ -116,7 +121,7 @@ fn no_model(word: &str) -> String {
         .flatten()
         .flatten()
         .map(|f| path.with_file_name(f.file_name()).to_string_lossy().into_owned())
-        .filter(|f| f.ends_with(".ca.toml") || ca_import::reads(f))
+        .filter(|f| Path::new(f).is_file() && (f.ends_with(".ca.toml") || ca_import::reads(f)))
         .collect();
     let own = format!("{word}.ca.toml");
     let names = BUNDLED.iter().map(|m| m.0);

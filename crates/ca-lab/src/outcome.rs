@@ -9,10 +9,13 @@ use ca_compile::{Compiled, Options};
 use ca_io::gesture::Gesture;
 use ca_io::sound::Level;
 
+/// Message of a scene without outputs.
+pub const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
+
 /// What became of a scene that was played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// `ok`, `clipped`, `unstable`, `refused` (an input had no value) or `invalid` (there is no such scene)
+    /// `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes) or `invalid` (it does not compile)
     pub status: &'static str,
     /// what went wrong; empty where nothing did
     pub message: String,
@@ -43,11 +46,11 @@ impl Outcome {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
-        Outcome::heard(level, played.performance.state.refused)
+        Outcome::heard(level, played.performance.state.refused, scene.scene.n_out > 0)
     }
 
-    /// Of what did not diverge: by what was heard, and how many inputs had no value.
-    pub fn heard(level: &Level, refused: u64) -> Outcome {
+    /// Of a scene that did not diverge, by its levels, its refused inputs, and whether it has outputs or probes.
+    pub fn heard(level: &Level, refused: u64, listened: bool) -> Outcome {
         let ended = |status, message| Outcome { status, message, failed: None };
         if level.clipped + level.non_finite > 0 {
             let (clipped, none) = (level.clipped, level.non_finite);
@@ -60,7 +63,8 @@ impl Outcome {
             return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value{above}"));
         }
         match refused {
-            0 => ended("ok", String::new()),
+            0 if listened => ended("ok", String::new()),
+            0 => ended("mute", MUTE.into()),
             refused => ended("refused", format!("{refused} inputs had no value")),
         }
     }

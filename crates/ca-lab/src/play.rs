@@ -6,6 +6,7 @@ use ca_core::scene::Halves;
 use ca_core::state::{Balance, Ledger};
 use ca_io::FileError;
 use ca_io::gesture::Gesture;
+pub use ca_io::length::Length;
 use ca_io::perform::{DIVERGED, Performance};
 pub use ca_io::perform::{frames, seconds};
 pub use ca_io::sound::Sample;
@@ -20,6 +21,8 @@ pub const BLOCK: u64 = 1024;
 pub struct Played<'a> {
     /// at its end
     pub performance: Performance<'a>,
+    /// samples that were played
+    pub frames: u64,
     /// time spent
     pub wall: Duration,
     /// the tick at which it was found to have diverged
@@ -33,18 +36,24 @@ pub struct Played<'a> {
 /// What is done with outputs, rows one after the other, and with how many there have been.
 pub type Sink<'a, E> = dyn FnMut(&Performance, &[f64], u64) -> Result<(), E> + 'a;
 
-/// Plays `frames` samples. After every `block` of them, `heard` gets their outputs.
+/// Plays for a length. After every `block` of samples, `heard` gets their outputs.
 ///
 /// # Errors
 /// Those of `heard`, which end it.
-pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut Sink<E>) -> Result<Played<'a>, E> {
+pub fn play<'a, E>(
+    mut p: Performance<'a>,
+    length: impl Into<Length>,
+    block: u64,
+    heard: &mut Sink<E>,
+) -> Result<Played<'a>, E> {
+    let mut length = length.into();
     let n_out = p.scene.n_out;
     let mut rows = Vec::with_capacity(block as usize * n_out);
     let mut last_good: Option<(Ledger, u64)> = None;
     let begin = Instant::now();
     let mut done = 0;
-    while done < frames {
-        let block = block.min(frames - done);
+    while done < length.frames {
+        let block = block.min(length.frames - done);
         rows.clear();
         if p.state.ledger.is_none() {
             p.ticks(block, &mut rows);
@@ -57,6 +66,9 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
         }
         done += block;
         heard(&p, &rows, done)?;
+        if !length.hear(&rows, n_out, p.scene.channels) {
+            break;
+        }
     }
     let wall = begin.elapsed();
     // what diverged between two looks at the state is found here at the latest
@@ -68,7 +80,7 @@ pub fn play<'a, E>(mut p: Performance<'a>, frames: u64, block: u64, heard: &mut 
     };
     // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
-    Ok(Played { performance: p, wall, diverged_at, energy, energy_ticks })
+    Ok(Played { performance: p, frames: done, wall, diverged_at, energy, energy_ticks })
 }
 
 /// As [`play`], but by two threads, each of which plays one of the `halves` of the scene; without the energy ledger.
@@ -79,15 +91,19 @@ pub fn play_halves<'a, E: From<FileError>>(
     p: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
-    (frames, block): (u64, u64),
+    (length, block): (impl Into<Length>, u64),
     heard: &mut ca_io::halves::Sink<E>,
 ) -> Result<Played<'a>, E> {
     let begin = Instant::now();
-    let mut performance = ca_io::halves::play(p, halves, gesture, (frames, block), heard)?;
+    let mut frames = 0;
+    let mut performance = ca_io::halves::play(p, halves, gesture, (length, block), &mut |rows, done| {
+        frames = done;
+        heard(rows, done)
+    })?;
     let wall = begin.elapsed();
     performance.diverged |= !performance.state.is_bounded(DIVERGED);
     let diverged_at = performance.diverged.then_some(performance.state.tick);
-    Ok(Played { performance, wall, diverged_at, energy: None, energy_ticks: 0 })
+    Ok(Played { performance, frames, wall, diverged_at, energy: None, energy_ticks: 0 })
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.
@@ -176,10 +192,15 @@ impl std::fmt::Display for Divergence {
 /// What the warnings of the compiler offer against the divergence of `module`: those that name it come first.
 fn fix(findings: &Diags, module: &str) -> Option<String> {
     let list = || findings.list.iter();
-    let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W110" | "W105");
+    let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W107" | "W110" | "W105" | "W117");
     let named = format!("`{module}`");
     let d = list().filter(about).find(|d| d.title.contains(&named)).or_else(|| list().find(about))?;
     d.help.clone()
+}
+
+/// The time that it was played \[s\]: `seconds`, or less, to the millisecond, if fewer than `frames` were played.
+pub fn lasted(scene: &Scene, played: &Played, frames: u64, seconds: f64) -> f64 {
+    if played.frames < frames { (played.frames as f64 * scene.sample_dt * 1e3).round() / 1e3 } else { seconds }
 }
 
 /// What to say of each live parameter that stayed at the end of its range, since its gesture went beyond.
@@ -215,10 +236,10 @@ pub fn unbalanced(b: &Balance) -> Option<f64> {
     (!balances).then_some(b.residual)
 }
 
-/// What the scheme made out of nothing, where that is most of the energy there ever was \[J\]: then it is what is heard, and not the
-/// model. What was put in would be no measure, since what falls has its energy of its weight.
+/// The energy made by the scheme, if it exceeds the energy received from load, ports, changes and weight \[J\]. The sound is then
+/// an error of the scheme.
 pub fn made(b: &Balance) -> Option<f64> {
-    (b.scheme_error > (0.5 * b.peak).max(NOTHING)).then_some(b.scheme_error)
+    (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }
 
 /// The gain that would just fit, three digits, towards zero.

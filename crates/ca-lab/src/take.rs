@@ -9,11 +9,11 @@ use crate::{Failure, bytes, play};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::live::Controls;
-use ca_core::scene::InputRole;
+use ca_core::scene::{Input, InputRole};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{self, Change, Engine, EngineCommand, Port, Setup};
 use ca_haptic::equivalence;
-use ca_haptic::frame::DeviceFrame;
+use ca_haptic::frame::{DOF, DeviceFrame};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::record::Record;
@@ -66,13 +66,22 @@ pub fn record(
     let (loaded, changes) = &written(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(load::scene(loaded, &options)?.scene);
-    let hands = Performance::new(&scene, gesture)?;
+    let mut hands = Performance::new(&scene, gesture)?;
     let frames = play::frames(&scene, play::seconds(&hands, ask.seconds));
     let given = gesture.map_or(&[][..], Gesture::tracks).iter().map(Track::name);
     let port = |name: &&str| scene.inputs.iter().any(|i| i.name == **name && i.role != InputRole::Device);
     if let Some(name) = given.into_iter().find(port) {
         let what = format!("`{name}` is no device");
         return Err(Failure::Usage(format!("{what}; a take holds what devices did and how live parameters changed")));
+    }
+    let far = hands.hands(0).find_map(|(what, _)| {
+        let Driven::Device(input) = what else { return None };
+        let input = &scene.inputs[input];
+        input.device.as_ref().filter(|d| d.1 as usize >= DOF).map(|d| (&input.name, d.1))
+    });
+    if let Some((name, dof)) = far {
+        let what = format!("`{name}` is degree of freedom {dof}");
+        return Err(Failure::Usage(format!("{what}; a take holds what devices did, which have {DOF} at most")));
     }
     let setups: Vec<Setup> = devices(&scene).iter().map(|name| setup(&scene, name)).collect();
     // nobody else speaks here
@@ -158,10 +167,20 @@ pub fn devices(scene: &Scene) -> Vec<String> {
     names
 }
 
-/// One more than the highest DOF of a device that a scene uses.
+/// One more than the highest DOF of a device that a scene uses, of those that a frame has room for.
 pub fn dofs(scene: &Scene, device: &str) -> u32 {
-    let of = |i: &ca_core::scene::Input| i.device.as_ref().filter(|d| d.0 == device).map(|d| d.1 + 1);
-    scene.inputs.iter().filter_map(of).max().unwrap_or(0)
+    let all = of_device(scene, device).filter_map(|i| Some(i.device.as_ref()?.1 + 1)).max();
+    all.unwrap_or(0).min(DOF as u32)
+}
+
+/// The ports of a device that no frame has room for: MIDI and gestures alone move them.
+pub fn beyond<'s>(scene: &'s Scene, device: &'s str) -> impl Iterator<Item = &'s Input> {
+    let far = |i: &&Input| i.device.as_ref().is_some_and(|d| d.1 as usize >= DOF);
+    of_device(scene, device).filter(far)
+}
+
+fn of_device<'s>(scene: &'s Scene, device: &'s str) -> impl Iterator<Item = &'s Input> {
+    scene.inputs.iter().filter(move |i| i.device.as_ref().is_some_and(|d| d.0 == device))
 }
 
 /// A device of that name: what is shipped of it, else one that nobody has described.

@@ -88,17 +88,18 @@ pub fn scene(
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<String, Failure> {
     let performance = Performance::new(scene, gesture)?;
-    let seconds = play::seconds(&performance, seconds);
-    let frames = play::frames(scene, seconds);
+    let length = play::Length::of(&performance, seconds);
+    let (seconds, frames) = (play::seconds(&performance, seconds), length.frames);
     let (mut film, mut sound) = (Film::new(scene, seconds), Sound::new(scene.rate, &scene.channel_names));
     let block = ((scene.rate / PICTURES).max(1.0) as u64).min(BLOCK);
-    play::play(performance, frames, block, &mut |p, rows, done| {
+    let played = play::play(performance, length, block, &mut |p, rows, done| {
         for row in rows.chunks_exact(scene.n_out.max(1)) {
             sound.push(&row[..scene.channels]);
         }
         film.look(p.state.tick as f64 * scene.sample_dt, &p.state.x);
         if goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     })?;
+    let seconds = play::lasted(scene, &played, frames, seconds);
     page(&scene.title, &format!("{seconds} s, played by ca {}", env!("CARGO_PKG_VERSION")), &film, sound)
 }
 

@@ -247,8 +247,12 @@ pub const CODES: &[(&str, &str)] = &[
     ("W114", "decay out of reach"),
     ("W115", "damping that couples modes"),
     ("W116", "a gesture that begins elsewhere than its port"),
+    ("W117", "a contact that is unstable while it presses"),
+    ("W118", "friction that creeps"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
     ("N203", "a heavy junction"),
     ("N204", "ports on one degree of freedom"),
+    ("N205", "TOML 1.1"),
+    ("N206", "Newton's method gives way to the secant"),
 ];

@@ -88,7 +88,7 @@ export class Keyboard {
   letter(event, down) {
     const place = PLACES.get(event.code);
     if (!this.range || !this.letters.checked || place === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (event.target.matches && event.target.matches("input[type=text], input[type=search], textarea")) return;
+    if (event.target.matches && event.target.matches("input[type=text], input[type=search], textarea, select")) return;
     event.preventDefault();
     event.stopImmediatePropagation();
     if (!down) this.end(event.code);

@@ -26,7 +26,7 @@ addEventListener("securitypolicyviolation", () => root.violations++);
 
 const canvas = find("canvas");
 const camera = new Camera(), picture = new Picture(canvas);
-let scene = null, motion = null, pair = null, state = null, follow = () => {};
+let scene = null, motion = null, pair = null, state = null, follow = () => {}, touched = false, instead = false;
 
 const address = new URL("ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -40,9 +40,10 @@ const connection = new Connection(address, {
   },
   scene: load,
   state(message) {
-    const other = !state || state.sound !== message.sound;
+    const other = !state || state.sound !== message.sound, before = state && state.sound;
     state = message;
     if (other) showSound(sound);
+    if (other && before) elsewhere(before, message.sound);
     status.state(message, sound);
     if (scene && pair) follow(scene, pair);
     parameters.update(message.params || {});
@@ -154,6 +155,17 @@ function showSound(s) {
   root.ahead = s.ahead;
 }
 
+// where a device of sound goes away this page plays, and is silent again once it is back; a browser wants a gesture before
+function elsewhere(before, now) {
+  if (now === "page" && before !== "page" && touched && sound.state === "off") {
+    instead = true;
+    sound.start();
+  } else if (now !== "page" && instead) {
+    instead = false;
+    sound.stop();
+  }
+}
+
 // sound starts with the first gesture, where it is the page that plays; a press on the button itself is its own
 function firstGesture(event) {
   if (event.target.closest && event.target.closest("#sound, #stop, #mute")) return done();
@@ -161,6 +173,7 @@ function firstGesture(event) {
   done();
   if (sound.state === "off" && (!state || !state.sound || state.sound === "page")) sound.start();
   function done() {
+    touched = true;
     removeEventListener("pointerup", firstGesture, true);
     removeEventListener("keydown", firstGesture, true);
   }
@@ -191,7 +204,7 @@ find("farther").addEventListener("click", () => camera.zoom(1.25));
 
 addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-  const on = event.target, typing = on.matches("input[type=text], input[type=search], textarea");
+  const on = event.target, typing = on.matches("input[type=text], input[type=search], textarea, select");
   if (typing) return;
   if (event.key === " " && !on.matches("button, summary, input[type=checkbox], input[type=radio]")) toggleGesture();
   else if (event.key === "s") sound.toggle();

@@ -23,6 +23,8 @@ export class Status {
     const record = find("record");
     record.addEventListener("click", () => this.ask(connection, { type: "record", on: record.getAttribute("aria-pressed") !== "true" }));
     find("save").addEventListener("click", () => this.ask(connection, { type: "save" }));
+    const output = find("output");
+    output.addEventListener("change", () => this.ask(connection, { type: "audio", device: output.value }));
     find("reportClose").addEventListener("click", () => { find("report").hidden = true; });
     find("again").addEventListener("click", () => connection.again());
   }
@@ -115,6 +117,22 @@ export class Status {
       dd.classList.toggle("bad", bad);
     });
     this.devices(s.devices || []);
+    this.outputs(s.outputs || {});
+  }
+
+  // what may play the sound; a choice under way is left alone
+  outputs({ choices = [], wanted = "", busy = false }) {
+    const output = this.find("output"), all = choices.includes(wanted) || !wanted ? choices : [wanted, ...choices];
+    this.find("outputBox").hidden = choices.length === 0;
+    const key = JSON.stringify(all);
+    if (key !== this.offered) {
+      this.offered = key;
+      output.replaceChildren(...all.map(name => element("option", { value: name, text: name === "page" ? "this page" : name })));
+      output.value = wanted;
+    }
+    output.disabled = busy;
+    if (!busy && document.activeElement !== output || wanted !== this.wanted) output.value = wanted;
+    this.wanted = wanted;
   }
 
   devices(list) {

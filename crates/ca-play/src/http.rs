@@ -17,7 +17,9 @@ const HEAD: usize = 8192;
 /// Most headers in it.
 const HEADERS: usize = 64;
 /// Longest time from a connection to the end of its head.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
+const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest time in which a client takes nothing of an answer.
+pub(crate) const STUCK: Duration = Duration::from_secs(5);
 
 /// What a page may load: its own files, and a socket to its server.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \

@@ -14,6 +14,7 @@ mod film;
 mod http;
 pub mod message;
 mod page;
+mod pending;
 
 pub use film::script as film_script;
 pub use page::{Feed, Page, PageRequest};

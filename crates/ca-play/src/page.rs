@@ -1,11 +1,13 @@
 //! The server of a page.
 //!
-//! Decides that it is on the loopback alone, that a browser gets at most [`MOST`] connections at a time, and that what
-//! people ask is handed over in order, with a bound: who asks more than is answered gets "no" at once.
+//! It listens on the loopback alone. A connection takes a place only once it has shown the token: browsers of this user get
+//! at most [`MOST`] at a time, and other users none. Requests are handed over in order, with a bound: a page that asks
+//! more than is answered gets "no" at once.
 
 use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
+use crate::pending::Pending;
 use serde_json::{Value, json};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -16,7 +18,7 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Bytes, Utf8Bytes};
 
-/// Connections at a time.
+/// Connections with the token at a time.
 const MOST: usize = 32;
 /// Requests that wait for an answer at most.
 const ASKED: usize = 256;
@@ -38,6 +40,7 @@ struct Hub {
     clients: Mutex<Vec<Arc<Client>>>,
     /// what a client is sent first
     greeting: Mutex<Utf8Bytes>,
+    pending: Pending,
     connections: AtomicUsize,
     number: AtomicU64,
     stop: AtomicBool,
@@ -72,6 +75,7 @@ impl Page {
             place,
             clients: Mutex::default(),
             greeting: Mutex::new(text(greeting)),
+            pending: Pending::default(),
             connections: AtomicUsize::new(0),
             number: AtomicU64::new(0),
             stop: AtomicBool::new(false),
@@ -181,20 +185,31 @@ impl Hub {
     }
 
     /// Serves one connection.
-    fn serve(self: &Arc<Hub>, mut stream: TcpStream) {
-        let _ = stream.set_write_timeout(Some(http::PATIENCE));
-        match self.place.read(&mut stream) {
+    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: Waits) {
+        let _ = stream.set_write_timeout(Some(http::STUCK));
+        let head = match self.place.read(&mut stream) {
+            None => return,
             Some(Head::Refused(status)) => {
                 let _ = http::refuse(&mut stream, status);
+                return;
             }
-            Some(Head::File(name)) => {
+            Some(head) => head,
+        };
+        drop(waits);
+        let _counted = Counted(self.clone());
+        if self.connections.fetch_add(1, Relaxed) >= MOST {
+            let _ = http::refuse(&mut stream, 503);
+            return;
+        }
+        match head {
+            Head::File(name) => {
                 let _ = match asset::find(&name) {
                     Some(file) => http::send(&mut stream, file, self.place.framed),
                     None => http::refuse(&mut stream, 404),
                 };
             }
-            Some(Head::Socket(key, rest)) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
-            None | Some(Head::Socket(..)) => {}
+            Head::Socket(key, rest) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
+            _ => {}
         }
     }
 
@@ -245,7 +260,7 @@ impl Hub {
     }
 }
 
-/// Counts a connection, however its thread ends.
+/// Counts a connection with the token, however its thread ends.
 struct Counted(Arc<Hub>);
 
 impl Drop for Counted {
@@ -254,26 +269,32 @@ impl Drop for Counted {
     }
 }
 
+/// The place of a connection without the token, however its thread ends.
+struct Waits(Arc<Hub>, u64);
+
+impl Drop for Waits {
+    fn drop(&mut self) {
+        self.0.pending.remove(self.1);
+    }
+}
+
 fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
-    for stream in listener.incoming() {
+    for (number, stream) in (0..).zip(listener.incoming()) {
         if hub.stop.load(Relaxed) {
             return;
         }
-        let Ok(mut stream) = stream else {
+        let both = stream.and_then(|stream| Ok((stream.try_clone()?, stream)));
+        let Ok((other, stream)) = both else {
             // no handle is free: others have to end first
             std::thread::sleep(Duration::from_millis(20));
             continue;
         };
-        let counted = Counted(hub.clone());
-        if hub.connections.fetch_add(1, Relaxed) >= MOST {
-            let _ = stream.set_write_timeout(Some(Duration::from_millis(10)));
-            let _ = http::refuse(&mut stream, 503);
-            continue;
-        }
+        hub.pending.add(number, other);
+        let waits = Waits(hub.clone(), number);
         // one that gets no thread is closed
         let _ = Builder::new().name("ca client".into()).spawn(move || {
-            let counted = counted;
-            counted.0.serve(stream);
+            let hub = waits.0.clone();
+            hub.serve(stream, waits);
         });
     }
 }

@@ -1,5 +1,8 @@
 //! The server over real sockets: what a page gets, and what nobody else does.
 
+#[path = "../../../tests/src/skipped.rs"]
+mod skipped;
+
 use ca_play::{Page, message};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -227,15 +230,46 @@ fn who_answers_no_ping_lets_go() {
 fn connections_have_an_end() {
     let page = page();
     let (host, path) = place(&page);
-    let idle: Vec<TcpStream> = (0..40).filter_map(|_| TcpStream::connect(&host).ok()).collect();
-    until("one is refused", || {
-        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
-        got.is_empty() || got.starts_with("HTTP/1.1 503")
-    });
-    drop(idle);
-    until("served again", || {
-        said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes()).starts_with("HTTP/1.1 200")
-    });
+    let ask = || said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    let open: Vec<_> = (0..32).map(|_| socket(&page)).collect();
+    until("one more is refused", || ask().starts_with("HTTP/1.1 503"));
+    drop(open);
+    until("served again", || ask().starts_with("HTTP/1.1 200"));
+}
+
+/// Connections without the token leave all places to connections with it.
+#[cfg(target_os = "linux")]
+#[test]
+fn silent_connections_of_another_user_keep_nobody_out() {
+    use std::io::{BufRead as _, BufReader};
+    use std::os::unix::fs::MetadataExt as _;
+    use std::os::unix::process::CommandExt as _;
+    use std::process::{Command, Stdio};
+
+    if std::fs::metadata("/proc/self").unwrap().uid() != 0 {
+        return skipped::skipped("root", "only root can be another user");
+    }
+    let page = page();
+    let (host, path) = place(&page);
+    for many in [34, 80] {
+        let (_, port) = host.split_once(':').unwrap();
+        let line = format!(
+            "for n in $(seq {many}); do exec {{f}}<>/dev/tcp/127.0.0.1/{port} || exit 1; done; echo open; read end; true"
+        );
+        let mut other = Command::new("bash");
+        other.args(["-c", &line]).current_dir("/").uid(65534).gid(65534).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut other = other.spawn().unwrap();
+        let mut open = String::new();
+        BufReader::new(other.stdout.take().unwrap()).read_line(&mut open).unwrap();
+        assert_eq!(open, "open\n", "{many} connections");
+        for n in 0..60 {
+            let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+            assert!(got.starts_with("HTTP/1.1 200"), "request {n} beside {many}: {got}");
+        }
+        // it ends with its standard input
+        drop(other.stdin.take());
+        assert!(other.wait().unwrap().success());
+    }
 }
 
 #[test]

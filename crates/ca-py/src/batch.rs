@@ -4,7 +4,7 @@ use crate::error::failure;
 use crate::gesture::Gesture;
 use crate::model::Given;
 use crate::scene::Scene;
-use crate::wait::Wait;
+use crate::wait::apart;
 use ca_lab::batch::{self, Batch, BatchSpec};
 use ca_lab::play::Sample;
 use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
@@ -15,37 +15,35 @@ use pyo3::types::PyDict;
 #[pyfunction]
 #[pyo3(name = "batch", signature = (scene, values, seconds, gesture, double, threads, progress))]
 #[allow(clippy::too_many_arguments)]
-pub fn play<'py>(
-    py: Python<'py>,
-    scene: &Scene,
+pub fn play(
+    py: Python<'_>,
+    scene: Py<Scene>,
     values: Vec<(String, Vec<Given>)>,
     seconds: Option<f64>,
-    gesture: Option<&Gesture>,
+    gesture: Option<Py<Gesture>>,
     double: bool,
     threads: usize,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
+) -> PyResult<Bound<'_, PyDict>> {
     let typed = |all: Vec<Given>| all.into_iter().map(Given::typed).collect();
     let values = values.into_iter().map(|(name, all)| (name, typed(all))).collect();
     let spec = BatchSpec { values, seconds, threads };
     let run = if double { played::<f64> } else { played::<f32> };
-    run(py, scene, &spec, gesture, progress)
+    run(py, scene, spec, gesture, progress)
 }
 
-fn played<'py, S: Sample + Element>(
-    py: Python<'py>,
-    scene: &Scene,
-    spec: &BatchSpec,
-    gesture: Option<&Gesture>,
+fn played<S: Sample + Element + 'static>(
+    py: Python<'_>,
+    scene: Py<Scene>,
+    spec: BatchSpec,
+    gesture: Option<Py<Gesture>>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (loaded, options) = scene.source();
-    let mut wait = Wait::new(progress);
-    let batch = py.detach(|| {
-        let gesture = gesture.map(|g| &g.gesture);
-        batch::batch::<S>(loaded, options, spec, gesture, &mut |done, all| wait.goes_on(done, all))
-    });
-    wait.error.map_or(Ok(()), Err)?;
+) -> PyResult<Bound<'_, PyDict>> {
+    let batch = apart(py, progress, move |wanted| {
+        let (loaded, options) = scene.get().source();
+        let gesture = gesture.as_ref().map(|g| &g.get().gesture);
+        batch::batch::<S>(loaded, options, &spec, gesture, &mut |done, all| wanted.goes_on(done, all))
+    })?;
     let Batch { rate, frames, channels, probes, sound, probed, outcomes, peaks } = batch.map_err(|e| failure(py, e))?;
     let n = outcomes.len();
     let d = PyDict::new(py);

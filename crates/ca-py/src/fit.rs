@@ -2,10 +2,10 @@
 
 use crate::error::{failure, file};
 use crate::gesture::Gesture;
-use crate::wait::Wait;
+use crate::wait::apart;
 use ca_io::recording::Recording;
 use ca_lab::Failure;
-use ca_lab::fit::{self, Distance, FitOptions, Range, Stage, StopReason};
+use ca_lab::fit::{self, Distance, FitOptions, Pitch, Range, Stage, StopReason, Words};
 use ca_lab::load::Loaded;
 use ca_model::Value;
 use numpy::PyReadonlyArray2;
@@ -16,14 +16,14 @@ use std::path::PathBuf;
 /// What is fitted to: a file, or samples (frames, channels) at a rate.
 #[derive(FromPyObject)]
 pub enum Target<'py> {
-    /// a WAV file
+    /// a WAV or FLAC file
     File(PathBuf),
     /// \[Hz\], samples
     Samples(f64, PyReadonlyArray2<'py, f64>),
 }
 
 /// What is asked of a fit.
-pub struct FitArgs<'a> {
+pub struct FitArgs {
     /// names of numbers
     pub vary: Vec<String>,
     /// ranges of some of them, in SI units or as text
@@ -35,7 +35,7 @@ pub struct FitArgs<'a> {
     /// most renders
     pub renders: u32,
     /// what plays the model
-    pub gesture: Option<&'a Gesture>,
+    pub gesture: Option<Py<Gesture>>,
     /// where a page about it is written
     pub report: Option<PathBuf>,
 }
@@ -50,9 +50,9 @@ fn distance<'py>(py: Python<'py>, d: &Distance) -> PyResult<Bound<'py, PyDict>> 
 /// The model with what was found, and the rest as a dictionary.
 pub fn fitted<'py>(
     py: Python<'py>,
-    loaded: &Loaded,
+    loaded: Loaded,
     target: Target,
-    asked: &FitArgs,
+    asked: FitArgs,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Loaded, Bound<'py, PyDict>)> {
     let (recording, name) = match target {
@@ -71,26 +71,24 @@ pub fn fitted<'py>(
         ends: [Value::typed(from), Value::typed(to)],
     };
     let ranges: Vec<Range> = asked.ranges.iter().map(range).collect();
-    let gesture = asked.gesture.map(|g| &g.gesture);
-    let mut wait = Wait::new(progress);
-    let found = py.detach(|| {
+    let found = apart(py, progress, move |wanted| {
         let mut ask = FitOptions {
             vary: &asked.vary,
             ranges: &ranges,
             seconds: asked.seconds,
             gain: asked.gain,
             renders: asked.renders,
-            gesture,
-            progress: &mut |done, of| wait.goes_on(u64::from(done), u64::from(of)),
+            gesture: asked.gesture.as_ref().map(|g| &g.get().gesture),
+            words: &Words::PYTHON,
+            progress: &mut |done, of| wanted.goes_on(u64::from(done), u64::from(of)),
         };
-        let found = fit::fit(loaded, &recording, &mut ask)?;
-        if let Some(path) = &asked.report {
+        let found = fit::fit(&loaded, &recording, &mut ask)?;
+        if let Some(path) = asked.report.as_ref().filter(|_| wanted.still()) {
             let page = fit::report(&found, &loaded.name, &name).html();
             ca_io::atomic_file::write(path, page.as_bytes())?;
         }
         Ok::<_, Failure>(found)
-    });
-    wait.error.map_or(Ok(()), Err)?;
+    })?;
     let found = found.map_err(|e| failure(py, e))?;
     let all = PyDict::new(py);
     let numbers = found.fitted.iter();
@@ -105,6 +103,8 @@ pub fn fitted<'py>(
     all.set_item("stage", if found.stage == Stage::Samples { "samples" } else { "levels" })?;
     all.set_item("settled", found.halt == StopReason::Settled)?;
     all.set_item("explained", found.explained)?;
+    let Pitch { recording, start, found: ends, .. } = found.pitch;
+    all.set_item("pitch", (recording, start, ends, found.pitch.starts_far(), found.is_elsewhere()))?;
     all.set_item("warnings", found.warnings())?;
     all.set_item("before", distance(py, &found.before)?)?;
     all.set_item("after", distance(py, &found.after)?)?;

@@ -1,11 +1,12 @@
 //! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
 
-use crate::error::{self, failure, file, usage};
+use crate::error::{self, file, usage};
 use crate::measure::table;
+use crate::wait::{Wanted, apart};
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// What a hand did or shall do.
 #[pyclass(frozen, module = "cordis_anima._core")]
@@ -23,9 +24,11 @@ enum Curve<'py> {
 
 #[pymethods]
 impl Gesture {
-    /// Tracks by name: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an array (n).
+    /// Tracks by name: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an array (n); whether they are those
+    /// of a MIDI file.
     #[new]
-    fn new(py: Python, tracks: Vec<(String, Curve)>) -> PyResult<Gesture> {
+    #[pyo3(signature = (tracks, midi = false))]
+    fn new(py: Python, tracks: Vec<(String, Curve)>, midi: bool) -> PyResult<Gesture> {
         let narrow = |(name, curve): &(String, Curve)| match curve {
             Curve::Points(p) if p.shape()[1] != 2 => Some(name.clone()),
             _ => None,
@@ -45,14 +48,14 @@ impl Gesture {
         };
         let tracks: Result<Vec<Track>, _> = tracks.into_iter().map(track).collect();
         let gesture = tracks.and_then(gesture::Gesture::new).map_err(|e| error::gesture(py, &e))?;
-        Ok(Gesture { gesture })
+        Ok(Gesture { gesture: gesture.as_midi(midi) })
     }
 
     /// These gestures as one.
     #[staticmethod]
     fn together(py: Python, all: Vec<PyRef<Gesture>>) -> PyResult<Gesture> {
-        let tracks = all.iter().flat_map(|g| g.gesture.tracks().iter().cloned()).collect();
-        Ok(Gesture { gesture: gesture::Gesture::new(tracks).map_err(|e| error::gesture(py, &e))? })
+        let all = all.iter().map(|g| g.gesture.clone());
+        Ok(Gesture { gesture: gesture::Gesture::together(all).map_err(|e| error::gesture(py, &e))? })
     }
 
     /// What it drives.
@@ -76,10 +79,16 @@ impl Gesture {
         self.gesture.tracks().iter().map(one).collect()
     }
 
-    /// What of a file moves nothing, in words.
+    /// Remarks on a file, in words.
     #[getter]
-    fn unheard(&self) -> Option<&str> {
-        self.gesture.unheard()
+    fn remarks(&self) -> Vec<String> {
+        self.gesture.remarks().to_vec()
+    }
+
+    /// True if a MIDI file is part of it, which is played to its end.
+    #[getter]
+    fn midi(&self) -> bool {
+        self.gesture.is_midi()
     }
 
     /// Time of its last value [s].
@@ -94,25 +103,24 @@ impl Gesture {
     /// without times.
     pub fn open(
         py: Python,
-        path: &Path,
-        ports: &[PortMap],
+        path: PathBuf,
+        ports: Vec<PortMap>,
         port: Option<String>,
         rate: Option<f64>,
     ) -> PyResult<Gesture> {
-        let read = || {
-            if ca_lab::load::has_extension(path, "mcap") {
-                ca_haptic::take::gesture(path, &ca_lab::catalog())
+        let named = path.clone();
+        let read = move |_: &Wanted| {
+            if ca_lab::load::has_extension(&path, "mcap") {
+                ca_haptic::take::gesture(&path, &ca_lab::catalog())
             } else {
-                gesture::Gesture::open(path, ports, rate)
+                gesture::Gesture::open(&path, &ports, rate)
             }
         };
-        let gesture = py.detach(read).map_err(|e| file(py, &e))?;
+        let gesture = apart(py, None, read)?.map_err(|e| file(py, &e))?;
         let Some(port) = port else { return Ok(Gesture { gesture }) };
-        let [one] = gesture.tracks() else {
-            let what = format!("`{}` has {} tracks", path.display(), gesture.tracks().len());
-            return Err(usage(py, &format!("{what}; `{port}` gives a name to a single one")));
-        };
-        let gesture = gesture::Gesture::new(vec![one.clone().named(port)]).map_err(|e| failure(py, e.into()))?;
+        let what = format!("`{}` has {} tracks", named.display(), gesture.tracks().len());
+        let one = gesture.named(&port);
+        let gesture = one.ok_or_else(|| usage(py, &format!("{what}; `{port}` gives a name to a single one")))?;
         Ok(Gesture { gesture })
     }
 }

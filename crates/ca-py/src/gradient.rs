@@ -3,10 +3,10 @@
 use crate::error;
 use crate::gesture::Gesture;
 use crate::measure::table;
-use crate::wait::Wait;
+use crate::scene::Scene;
+use crate::wait::apart;
 use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
-use ca_lab::load::Loaded;
 use numpy::{
     IntoPyArray as _, PyArray1, PyArray2, PyArray3, PyArrayMethods as _, PyReadonlyArray2, PyUntypedArrayMethods as _,
 };
@@ -27,12 +27,12 @@ fn failure(py: Python, e: Error) -> PyErr {
     }
 }
 
-/// A call without the lock of the interpreter, which a signal ends.
-fn waiting<R: Send>(py: Python, call: impl FnOnce(GoesOn) -> Result<R, Error> + Send) -> PyResult<R> {
-    let mut wait = Wait::new(None);
-    let done = py.detach(|| call(&mut || wait.goes_on(0, 1)));
-    wait.error.map_or(Ok(()), Err)?;
-    done.map_err(|e| failure(py, e))
+/// A call that a signal ends.
+fn waiting<R: Send + 'static>(
+    py: Python,
+    call: impl FnOnce(GoesOn) -> Result<R, Error> + Send + 'static,
+) -> PyResult<R> {
+    apart(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
 }
 
 /// A scene that is gone back over.
@@ -42,7 +42,7 @@ pub struct Reverse(Arc<ca_gradient::Reverse>);
 /// A scene that was played to be gone back over.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Checkpoints {
-    kept: ca_gradient::Checkpoints,
+    kept: Arc<ca_gradient::Checkpoints>,
     ports: usize,
     channels: usize,
 }
@@ -56,11 +56,16 @@ fn about(parameters: &[ca_gradient::Parameter]) -> Vec<(&str, f64, &str)> {
     parameters.iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
 }
 
+/// The curves of a gesture.
+fn curves(gesture: Option<&Py<Gesture>>) -> Option<&ca_io::gesture::Gesture> {
+    gesture.map(|g| &g.get().gesture)
+}
+
 /// A sound as Python has it (frames, channels).
 fn sound(
     py: Python<'_>,
     channels: usize,
-    play: impl FnOnce(GoesOn) -> Result<Vec<f64>, Error> + Send,
+    play: impl FnOnce(GoesOn) -> Result<Vec<f64>, Error> + Send + 'static,
 ) -> PyResult<Bound<'_, PyArray2<f64>>> {
     let all = waiting(py, play)?;
     let frames = all.len() / channels.max(1);
@@ -77,16 +82,22 @@ fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> P
     if all.try_reserve_exact(cotangent.len()).is_err() {
         return Err(error::usage(py, "the cotangent does not fit into memory; play less"));
     }
-    all.extend(cotangent.as_array().iter());
+    match cotangent.as_slice() {
+        Ok(whole) => all.extend_from_slice(whole),
+        Err(_) => all.extend(cotangent.as_array().iter()),
+    }
     Ok(all)
 }
 
 impl Forward {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Forward> {
-        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-        let made = py.detach(|| ca_gradient::Forward::new(loaded, options, &names));
-        made.map(|f| Forward(Arc::new(f))).map_err(|e| failure(py, e))
+    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Forward> {
+        let made = waiting(py, move |_| {
+            let (loaded, options) = scene.get().source();
+            let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+            ca_gradient::Forward::new(loaded, options, &names)
+        });
+        Ok(Forward(Arc::new(made?)))
     }
 }
 
@@ -103,10 +114,10 @@ impl Forward {
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let gesture = gesture.map(|g| &g.gesture);
-        sound(py, self.0.outputs(), |goes_on| self.0.output(seconds, gesture, goes_on))
+        let of = self.0.clone();
+        sound(py, self.0.outputs(), move |goes_on| of.output(seconds, curves(gesture.as_ref()), goes_on))
     }
 
     /// The sound, and its derivatives (frames, channels, parameters).
@@ -115,10 +126,10 @@ impl Forward {
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
-        let gesture = gesture.map(|g| &g.gesture);
-        let t = waiting(py, |goes_on| self.0.tangents(seconds, gesture, goes_on))?;
+        let of = self.0.clone();
+        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(gesture.as_ref()), goes_on))?;
         let shape = [t.frames, t.outputs, t.parameters.len()];
         let audio = table(py, t.output, t.frames, t.outputs)?;
         Ok((audio, t.tangents.into_pyarray(py).reshape(shape)?))
@@ -129,21 +140,24 @@ impl Forward {
         &self,
         py: Python<'py>,
         cotangent: PyReadonlyArray2<'py, f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let all = rows(py, &cotangent, self.0.outputs())?;
-        let gesture = gesture.map(|g| &g.gesture);
-        let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
+        let of = self.0.clone();
+        let found = waiting(py, move |goes_on| of.gradient(&all, curves(gesture.as_ref()), goes_on))?;
         Ok(found.into_pyarray(py))
     }
 }
 
 impl Energy {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Energy> {
-        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-        let made = py.detach(|| ca_gradient::Energy::new(loaded, options, &names));
-        made.map(|e| Energy(Arc::new(e))).map_err(|e| failure(py, e))
+    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Energy> {
+        let made = waiting(py, move |_| {
+            let (loaded, options) = scene.get().source();
+            let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+            ca_gradient::Energy::new(loaded, options, &names)
+        });
+        Ok(Energy(Arc::new(made?)))
     }
 }
 
@@ -162,11 +176,11 @@ impl Energy {
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
         instants: usize,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>)> {
-        let gesture = gesture.map(|g| &g.gesture);
-        let t = waiting(py, |goes_on| self.0.tangents(seconds, gesture, instants, goes_on))?;
+        let of = self.0.clone();
+        let t = waiting(py, move |goes_on| of.tangents(seconds, curves(gesture.as_ref()), instants, goes_on))?;
         let shape = [t.instants(), ca_gradient::ACCOUNTS.len(), t.parameters.len()];
         let values = table(py, t.values, shape[0], shape[1])?;
         Ok((t.seconds.into_pyarray(py), values, t.tangents.into_pyarray(py).reshape(shape)?))
@@ -175,10 +189,13 @@ impl Energy {
 
 impl Reverse {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, loaded: &Loaded, options: &ca_compile::Options, wrt: &[String]) -> PyResult<Reverse> {
-        let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-        let made = py.detach(|| ca_gradient::Reverse::new(loaded, options, &names));
-        made.map(|r| Reverse(Arc::new(r))).map_err(|e| failure(py, e))
+    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Reverse> {
+        let made = waiting(py, move |_| {
+            let (loaded, options) = scene.get().source();
+            let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
+            ca_gradient::Reverse::new(loaded, options, &names)
+        });
+        Ok(Reverse(Arc::new(made?)))
     }
 }
 
@@ -191,8 +208,8 @@ impl Reverse {
     }
 
     /// Whether it can go back over a gesture.
-    fn knows(&self, py: Python, gesture: Option<&Gesture>) -> PyResult<bool> {
-        self.0.knows(gesture.map(|g| &g.gesture)).map_err(|e| failure(py, e))
+    fn knows(&self, py: Python, gesture: Option<Py<Gesture>>) -> PyResult<bool> {
+        self.0.knows(curves(gesture.as_ref())).map_err(|e| failure(py, e))
     }
 
     /// Names of the ports by which is differentiated too.
@@ -206,12 +223,13 @@ impl Reverse {
         &self,
         py: Python<'py>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Checkpoints)> {
-        let gesture = gesture.map(|g| &g.gesture);
-        let mut kept = waiting(py, |goes_on| self.0.play(seconds, gesture, goes_on))?;
+        let of = self.0.clone();
+        let mut kept = waiting(py, move |goes_on| of.play(seconds, curves(gesture.as_ref()), goes_on))?;
         let audio = std::mem::take(&mut kept.output);
         let (channels, frames) = (self.0.outputs(), kept.frames());
+        let kept = Arc::new(kept);
         Ok((table(py, audio, frames, channels)?, Checkpoints { kept, ports: self.0.ports().count(), channels }))
     }
 
@@ -221,11 +239,11 @@ impl Reverse {
         &self,
         py: Python<'py>,
         cotangent: PyReadonlyArray2<'py, f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
         let all = rows(py, &cotangent, self.0.outputs())?;
-        let gesture = gesture.map(|g| &g.gesture);
-        let found = waiting(py, |goes_on| self.0.gradient(&all, gesture, goes_on))?;
+        let of = self.0.clone();
+        let found = waiting(py, move |goes_on| of.gradient(&all, curves(gesture.as_ref()), goes_on))?;
         let (frames, ports) = (cotangent.shape()[0], self.0.ports().count());
         Ok((found.parameters.into_pyarray(py), table(py, found.inputs, frames, ports)?))
     }
@@ -241,7 +259,8 @@ impl Checkpoints {
         cotangent: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
         let all = rows(py, &cotangent, self.channels)?;
-        let found = waiting(py, |goes_on| self.kept.gradient(&all, goes_on))?;
+        let kept = self.kept.clone();
+        let found = waiting(py, move |goes_on| kept.gradient(&all, goes_on))?;
         Ok((found.parameters.into_pyarray(py), table(py, found.inputs, self.kept.frames(), self.ports)?))
     }
 }

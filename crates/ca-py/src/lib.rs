@@ -18,6 +18,7 @@ mod gesture;
 mod gradient;
 mod measure;
 mod model;
+mod render;
 mod scene;
 mod sim;
 mod sweep;

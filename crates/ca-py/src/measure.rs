@@ -1,7 +1,7 @@
 //! What is measured of a model without playing it to anybody: modes, accuracy, units and quantities.
 
 use crate::error::{failure, usage};
-use crate::wait::Wait;
+use crate::wait::apart;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::kind::Type;
@@ -42,8 +42,8 @@ pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64>
 }
 
 /// All modes of the linear part, as arrays over modes.
-pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| {
+pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
+    let found = apart(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
@@ -56,7 +56,7 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
             Failure::Failed(format!("{n} places move, which is too much for a table of modes: at most {most}"))
         })?;
         Ok((network, all))
-    });
+    })?;
     let (network, all) = found.map_err(|e| failure(py, e))?;
     let column = |f: &dyn Fn(&modes::Mode) -> f64| all.list.iter().map(f).collect::<Vec<f64>>().into_pyarray(py);
     let d = PyDict::new(py);
@@ -78,13 +78,13 @@ pub fn modes<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResu
 }
 
 /// The linear part as a tick computes it: coefficients, rows of links, ports.
-pub fn linear<'py>(py: Python<'py>, loaded: &Loaded, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
-    let found = py.detach(|| {
+pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
+    let found = apart(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
-        Ok((network, load::scene(loaded, &options)?.scene))
-    });
+        Ok((network, load::scene(&loaded, &options)?.scene))
+    })?;
     let (network, scene) = found.map_err(|e| failure(py, e))?;
     // the motion into the first tick is that of the scene, which begins by the forces at load
     let places: HashMap<String, usize> = scene
@@ -155,16 +155,15 @@ pub struct AccuracyArgs {
 /// Error against run time, as arrays over ways.
 pub fn accuracy<'py>(
     py: Python<'py>,
-    loaded: &Loaded,
-    asked: &AccuracyArgs,
+    loaded: Loaded,
+    asked: AccuracyArgs,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let probes = if asked.probes.is_empty() { accuracy::heard(&loaded.model) } else { asked.probes.clone() };
+    let probes = if asked.probes.is_empty() { accuracy::heard(&loaded.model) } else { asked.probes };
     if probes.is_empty() {
         return Err(usage(py, "the model has no output to compare; name what to listen to by `probes`"));
     }
-    let mut wait = Wait::new(progress);
-    let found = py.detach(|| {
+    let found = apart(py, progress, move |wanted| {
         let mut ask = AccuracyOptions {
             rate: asked.rate,
             probes: &probes,
@@ -172,14 +171,11 @@ pub fn accuracy<'py>(
             times: &asked.times,
             reference: asked.reference,
             remedy: "play longer, `seconds`, or listen elsewhere, `probes`",
-            progress: &mut |done, of| wait.goes_on(done, of),
+            progress: &mut |done, of| wanted.goes_on(done, of),
         };
-        accuracy::measured(loaded, &mut ask)
+        accuracy::measured(&loaded, &mut ask)
     });
-    let found = match (wait.error, found) {
-        (Some(e), _) => return Err(e),
-        (None, found) => found.map_err(|e| failure(py, e))?,
-    };
+    let found = found?.map_err(|e| failure(py, e))?;
     let rows = &found.rows;
     let column = |f: &dyn Fn(&accuracy::MethodRow) -> f64| -> Bound<'py, PyArray1<f64>> {
         rows.iter().map(f).collect::<Vec<f64>>().into_pyarray(py)

@@ -5,7 +5,7 @@ use crate::fit::{self, FitArgs, Target};
 use crate::gesture::Gesture;
 use crate::measure;
 use crate::scene::Scene;
-use crate::wait::Wait;
+use crate::wait::apart;
 use ca_compile::Options;
 use ca_core::kind::Role;
 use ca_lab::load::{self, BUNDLED, Loaded};
@@ -178,32 +178,34 @@ impl Model {
 
     /// A file, or a bundled model.
     #[staticmethod]
-    fn open(py: Python, word: &str) -> PyResult<Model> {
-        let loaded = py.detach(|| load::load(word)).map_err(|e| failure(py, e))?;
-        Ok(Model::of(loaded))
+    fn open(py: Python, word: String) -> PyResult<Model> {
+        let loaded = apart(py, None, move |_| load::load(&word))?;
+        Ok(Model::of(loaded.map_err(|e| failure(py, e))?))
     }
 
     /// From text.
     #[staticmethod]
-    fn read(py: Python, text: &str, file: &str) -> Model {
-        Model::of(py.detach(|| Loaded::read(text, file)))
+    fn read(py: Python, text: String, file: String) -> PyResult<Model> {
+        apart(py, None, move |_| Loaded::read(&text, &file)).map(Model::of)
     }
 
     /// From the text of a MIMS model.
     #[staticmethod]
-    fn mims(py: Python, text: &str, file: &str) -> Model {
-        Model::of(py.detach(|| Loaded::import(text, file)))
+    fn mims(py: Python, text: String, file: String) -> PyResult<Model> {
+        apart(py, None, move |_| Loaded::import(&text, &file)).map(Model::of)
     }
 
     /// From its bytes, called `name`.
     #[staticmethod]
-    fn from_bytes(py: Python, bytes: &[u8], name: &str) -> PyResult<Model> {
-        Ok(Model::of(bytes::from_bytes(bytes, name).map_err(|e| failure(py, e))?))
+    fn from_bytes(py: Python, bytes: Vec<u8>, name: String) -> PyResult<Model> {
+        let made = apart(py, None, move |_| bytes::from_bytes(&bytes, &name))?;
+        Ok(Model::of(made.map_err(|e| failure(py, e))?))
     }
 
     /// What it means, as bytes.
     fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let made = bytes::bytes(&self.whole()).map_err(|e| failure(py, e))?;
+        let whole = self.whole();
+        let made = apart(py, None, move |_| bytes::bytes(&whole))?.map_err(|e| failure(py, e))?;
         Ok(PyBytes::new(py, &made))
     }
 
@@ -351,11 +353,13 @@ impl Model {
 
     /// Compiles it without playing: whether it can be, the JSON of all findings, and how they read.
     #[pyo3(signature = (rate=None))]
-    fn check(&self, py: Python, rate: Option<f64>) -> (bool, String, String) {
+    fn check(&self, py: Python, rate: Option<f64>) -> PyResult<(bool, String, String)> {
         let loaded = self.whole();
-        let (scene, diags) = py.detach(|| load::compiled(&loaded, &Options { rate, ..Options::default() }));
-        let (json, text) = findings(&diags, &loaded.model);
-        (scene.is_some(), json, text)
+        apart(py, None, move |_| {
+            let (scene, diags) = load::compiled(&loaded, &Options { rate, ..Options::default() });
+            let (json, text) = findings(&diags, &loaded.model);
+            (scene.is_some(), json, text)
+        })
     }
 
     /// Compiles it.
@@ -370,8 +374,11 @@ impl Model {
     ) -> PyResult<Scene> {
         let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
-        let scene = py.detach(|| load::scene(&loaded, &options)).map_err(|e| failure(py, e))?;
-        Ok(Scene::new(scene, loaded, options))
+        let made = apart(py, None, move |_| {
+            let scene = load::scene(&loaded, &options)?;
+            Ok(Scene::new(scene, loaded, options))
+        });
+        made?.map_err(|e| failure(py, e))
     }
 
     /// Plays it by the engine of devices, into a take.
@@ -383,29 +390,30 @@ impl Model {
         path: PathBuf,
         rate: Option<f64>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
         energy: bool,
         forces: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         let ask = take::RecordOptions { seconds, rate, energy, forces };
-        let (loaded, gesture) = (self.whole(), gesture.map(|g| &g.gesture));
-        let mut wait = Wait::new(progress);
-        let done = py.detach(|| take::record(&loaded, gesture, &ask, &path, &mut |done, of| wait.goes_on(done, of)));
-        wait.error.map_or(Ok(()), Err)?;
-        done.map(drop).map_err(|e| failure(py, e))
+        let loaded = self.whole();
+        let done = apart(py, progress, move |wanted| {
+            let gesture = gesture.as_ref().map(|g| &g.get().gesture);
+            take::record(&loaded, gesture, &ask, &path, &mut |done, of| wanted.goes_on(done, of)).map(drop)
+        });
+        done?.map_err(|e| failure(py, e))
     }
 
     /// See `cordis_anima.Scene.modes`.
     #[pyo3(signature = (rate=None))]
     fn modes<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
-        measure::modes(py, &self.whole(), rate)
+        measure::modes(py, self.whole(), rate)
     }
 
     /// See `cordis_anima.Scene.linear`.
     #[pyo3(signature = (rate=None))]
     fn linear<'py>(&self, py: Python<'py>, rate: Option<f64>) -> PyResult<Bound<'py, PyDict>> {
-        measure::linear(py, &self.whole(), rate)
+        measure::linear(py, self.whole(), rate)
     }
 
     /// See `cordis_anima.Scene.accuracy`.
@@ -422,7 +430,7 @@ impl Model {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let asked = measure::AccuracyArgs { rate, seconds, probes, times, reference };
-        measure::accuracy(py, &self.whole(), &asked, progress)
+        measure::accuracy(py, self.whole(), asked, progress)
     }
 
     /// See `cordis_anima.fit`.
@@ -437,12 +445,12 @@ impl Model {
         seconds: Option<f64>,
         gain: Option<f64>,
         renders: u32,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
         report: Option<PathBuf>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Model, Bound<'py, PyDict>)> {
         let asked = FitArgs { vary, ranges, seconds, gain, renders, gesture, report };
-        let (loaded, found) = fit::fitted(py, &self.whole(), target, &asked, progress)?;
+        let (loaded, found) = fit::fitted(py, self.whole(), target, asked, progress)?;
         Ok((Model::of(loaded), found))
     }
 }

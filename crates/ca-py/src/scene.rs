@@ -1,21 +1,17 @@
-//! Scenes: what is compiled, and how it is played to its end.
+//! Scenes: what is compiled, and what is made of it.
 
-use crate::error::{self, failure, findings, usage};
+use crate::error::{failure, findings};
 use crate::gesture::Gesture;
 use crate::gradient::{Energy, Forward, Reverse};
-use crate::measure::{energy, table};
+use crate::render::render;
 use crate::sim::Sim;
-use crate::wait::Wait;
+use crate::wait::apart;
 use ca_compile::{Compiled, Options};
 use ca_core::scene::InputRole;
 use ca_io::gesture::PortMap;
-use ca_io::perform::Performance;
-use ca_io::sound::Level;
 use ca_lab::load::{self, Loaded};
-use ca_lab::play::{self, BLOCK, Divergence, Sample};
-use ca_lab::{Failure, bytes, view};
+use ca_lab::{bytes, view};
 use ca_model::diag::Diags;
-use numpy::{Element, IntoPyArray as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -26,7 +22,7 @@ use std::sync::Arc;
 pub struct Scene {
     pub(crate) compiled: Arc<ca_core::Scene>,
     /// of reader and compiler
-    found: Diags,
+    pub(crate) found: Diags,
     loaded: Loaded,
     options: Options,
 }
@@ -41,73 +37,6 @@ impl Scene {
     pub fn source(&self) -> (&Loaded, &Options) {
         (&self.loaded, &self.options)
     }
-
-    fn rendered<'py, S: Sample + Element>(
-        &self,
-        py: Python<'py>,
-        seconds: Option<f64>,
-        gesture: Option<&Gesture>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let (scene, gesture) = (&*self.compiled, gesture.map(|g| &g.gesture));
-        let performance = Performance::new(scene, gesture).map_err(|e| error::gesture(py, &e))?;
-        let frames = play::frames(scene, play::seconds(&performance, seconds));
-        let (channels, n_out) = (scene.channels, scene.n_out);
-        let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
-        let mut heard = Heard::<S> { audio: Vec::new(), probes: Vec::new(), level: Level::new(channels) };
-        let fits = |n: Option<usize>, reserve: &mut dyn FnMut(usize) -> bool| n.is_some_and(reserve);
-        if !fits(room(channels), &mut |n| heard.audio.try_reserve_exact(n).is_ok())
-            || !fits(room(n_out - channels), &mut |n| heard.probes.try_reserve_exact(n).is_ok())
-        {
-            return Err(usage(py, &format!("{frames} samples do not fit into memory; render less, or stream it")));
-        }
-        let mut wait = Wait::new(progress);
-        let played = py.detach(|| {
-            play::play(performance, frames, BLOCK, &mut |_, rows, done| {
-                let (width, first) = (n_out.max(1), heard.audio.len());
-                heard.audio.resize(first + rows.len() / width * channels, S::default());
-                heard.level.keep_rows(rows, width, &mut heard.audio[first..]);
-                if n_out > channels {
-                    rows.chunks_exact(width).for_each(|row| heard.probes.extend_from_slice(&row[channels..]));
-                }
-                if wait.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
-            })
-        });
-        let played = match (wait.error, played) {
-            (Some(e), _) => return Err(e),
-            (None, played) => played.map_err(|e| failure(py, e))?,
-        };
-        let divergence = py.detach(|| {
-            played.diverged_at?;
-            let options = Options { energy: true, probes: Vec::new(), ..self.options.clone() };
-            let audited = load::compiled(&self.loaded, &options).0;
-            Divergence::of(&played, audited.as_ref().unwrap_or(scene), &self.found, gesture)
-        });
-        let d = PyDict::new(py);
-        d.set_item("audio", table(py, heard.audio, frames as usize, channels)?)?;
-        d.set_item("probes", table(py, heard.probes, frames as usize, n_out - channels)?)?;
-        d.set_item("probe_names", scene.probe_names.clone())?;
-        d.set_item("probe_of", scene.probe_of.clone())?;
-        let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
-        d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
-        d.set_item("peak", heard.level.peak.into_pyarray(py))?;
-        d.set_item("clipped", heard.level.clipped)?;
-        d.set_item("non_finite", heard.level.non_finite)?;
-        d.set_item("refused", played.performance.state.refused)?;
-        d.set_item("run_time", played.wall.as_secs_f64())?;
-        d.set_item("broke", divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
-        if let Some(ledger) = &played.energy {
-            d.set_item("energy", energy(py, scene, ledger, played.energy_ticks)?)?;
-        }
-        Ok(d)
-    }
-}
-
-/// What a render is, while it goes on.
-struct Heard<S> {
-    audio: Vec<S>,
-    probes: Vec<f64>,
-    level: Level,
 }
 
 #[pymethods]
@@ -157,9 +86,9 @@ impl Scene {
     }
 
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
-    fn digest(&self, py: Python) -> PyResult<String> {
-        let named = bytes::named(&self.loaded, self.compiled.rate).map_err(|e| failure(py, e))?;
-        Ok(named.to_hex().to_string())
+    fn digest(scene: Py<Scene>, py: Python) -> PyResult<String> {
+        let named = apart(py, None, move |_| bytes::named(&scene.get().loaded, scene.get().compiled.rate))?;
+        Ok(named.map_err(|e| failure(py, e))?.to_hex().to_string())
     }
 
     /// JSON of what was found, and how it reads.
@@ -183,58 +112,60 @@ impl Scene {
         d.set_item("stiffest", &c.stiffest)?;
         d.set_item("depth", c.depth.clone())?;
         d.set_item("friction", c.friction)?;
+        d.set_item("closed", c.closed)?;
+        d.set_item("decides", &c.decides)?;
+        d.set_item("open", &c.open)?;
         d.set_item("not_judged", c.not_judged.clone())?;
         Ok(d)
     }
 
     /// Plays it: see `cordis_anima.Scene.render`; `double` says how samples are kept.
     #[pyo3(signature = (seconds, gesture, double, progress))]
-    fn render<'py>(
-        &self,
-        py: Python<'py>,
+    fn render(
+        scene: Py<Scene>,
+        py: Python<'_>,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
         double: bool,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let run = if double { Scene::rendered::<f64> } else { Scene::rendered::<f32> };
-        run(self, py, seconds, gesture, progress)
+    ) -> PyResult<Bound<'_, PyDict>> {
+        let run = if double { render::<f64> } else { render::<f32> };
+        run(py, scene, seconds, gesture, progress)
     }
 
     /// With derivatives by parameters of these names.
-    fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
-        Forward::new(py, &self.loaded, &self.options, &wrt)
+    fn forward(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
+        Forward::new(py, scene, wrt)
     }
 
     /// With derivatives of its energy by parameters of these names.
-    fn energy_forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
-        Energy::new(py, &self.loaded, &self.options, &wrt)
+    fn energy_forward(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
+        Energy::new(py, scene, wrt)
     }
 
     /// To be gone back over, with derivatives by parameters of these names.
-    fn reverse(&self, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
-        Reverse::new(py, &self.loaded, &self.options, &wrt)
+    fn reverse(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
+        Reverse::new(py, scene, wrt)
     }
 
     /// The page of a film of it: see `cordis_anima.Scene.view`.
     #[pyo3(signature = (seconds, gesture, progress))]
     fn view(
-        &self,
+        scene: Py<Scene>,
         py: Python,
         seconds: Option<f64>,
-        gesture: Option<&Gesture>,
+        gesture: Option<Py<Gesture>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
-        // what nothing hears is seen all the same
-        let options = Options { whole: true, energy: false, probes: Vec::new(), ..self.options.clone() };
-        let whole = load::compiled(&self.loaded, &options).0;
-        let (scene, gesture) = (whole.as_ref().unwrap_or(&self.compiled), gesture.map(|g| &g.gesture));
-        let mut wait = Wait::new(progress);
-        let page = py.detach(|| view::scene(scene, gesture, seconds, &mut |done, all| wait.goes_on(done, all)));
-        match (wait.error, page) {
-            (Some(e), _) => Err(e),
-            (None, page) => page.map_err(|e| failure(py, e)),
-        }
+        let page = apart(py, progress, move |wanted| {
+            let of = scene.get();
+            // what nothing hears is seen all the same
+            let options = Options { whole: true, energy: false, probes: Vec::new(), ..of.options.clone() };
+            let whole = load::compiled(&of.loaded, &options).0;
+            let (scene, gesture) = (whole.as_ref().unwrap_or(&of.compiled), gesture.as_ref().map(|g| &g.get().gesture));
+            view::scene(scene, gesture, seconds, &mut |done, all| wanted.goes_on(done, all))
+        });
+        page?.map_err(|e| failure(py, e))
     }
 
     /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is
@@ -242,7 +173,7 @@ impl Scene {
     fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
         let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
         let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
-        Gesture::open(py, &path, &ports, port, rate)
+        Gesture::open(py, path, ports, port, rate)
     }
 
     /// A running one.

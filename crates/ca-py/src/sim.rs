@@ -1,20 +1,27 @@
 //! A scene that runs, block by block or frame by frame: gestures in, sound and forces out.
 //!
-//! Decides that a block is written into arrays of the caller and that nothing is allocated for it; device ports are read at
+//! A block is written into arrays of the caller, without allocation. A block of less than 0.2 ms keeps the lock of the interpreter, and
+//! a longer one lets other threads run. Device ports are read at
 //! the first sample of a gesture frame, as from a device. Who shares one between threads waits for the block of the other.
 
 use crate::error::{failure, usage};
-use crate::wait::Wait;
+use crate::wait::Look;
 use ca_io::running::Running;
 use ca_lab::Failure;
 use ca_lab::play::Sample;
 use numpy::{Element, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::Instant;
 
-/// Samples between two looks at signals.
-const BLOCK: usize = 4096;
+/// Updates of modules between two looks at signals, a millisecond or so.
+const UPDATES: usize = 1 << 16;
+
+/// A block that takes less keeps the lock of the interpreter: a thread that gives it away waits about as long until others
+/// give it back \[ns\].
+const SHORT: u64 = 200_000;
 
 /// A running scene.
 #[pyclass(frozen, module = "cordis_anima._core")]
@@ -23,6 +30,8 @@ pub struct Sim {
     /// inputs whose forces are reported
     ports: Vec<usize>,
     running: Mutex<Running>,
+    /// time of a sample, as far as it is known \[ns\]
+    each: AtomicU64,
 }
 
 impl Sim {
@@ -30,12 +39,34 @@ impl Sim {
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
         let running = Running::new(&scene);
         let (ports, running) = (running.felt(), Mutex::new(running));
-        Sim { scene, ports, running }
+        Sim { scene, ports, running, each: AtomicU64::new(u64::MAX) }
     }
 
-    /// Does something with what changes, without the lock of the interpreter.
+    /// Does something short with what changes. A thread that has to wait for it waits without the lock of the interpreter.
     fn with<R: Send>(&self, py: Python, f: impl FnOnce(&mut Running) -> R + Send) -> R {
-        py.detach(|| f(&mut self.running.lock().unwrap_or_else(PoisonError::into_inner)))
+        match self.running.try_lock() {
+            Ok(mut running) => f(&mut running),
+            Err(TryLockError::Poisoned(e)) => f(&mut e.into_inner()),
+            Err(TryLockError::WouldBlock) => py.detach(|| f(&mut self.lock())),
+        }
+    }
+
+    /// Plays `n` samples by `f`, without the lock of the interpreter unless that takes no time.
+    fn played(&self, py: Python, n: usize, f: impl FnOnce(&mut Running) + Send) {
+        let before = self.each.load(Relaxed);
+        let begin = Instant::now();
+        if before.saturating_mul(n as u64) < SHORT {
+            self.with(py, f);
+        } else {
+            py.detach(|| f(&mut self.lock()));
+        }
+        let each = begin.elapsed().as_nanos() as u64 / n.max(1) as u64;
+        // a thread that was interrupted seems slow
+        self.each.store(each.min(before.saturating_add(before / 4 + 1)), Relaxed);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Running> {
+        self.running.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn filled<S: Sample + Element>(
@@ -65,10 +96,11 @@ impl Sim {
         let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
         let mut probes = probes.as_mut().filter(|p| !p.is_empty()).map(|p| p.as_array_mut());
-        let mut wait = Wait::new(None);
-        self.with(py, |r| {
+        let every = (UPDATES / (scene.n_mat + scene.n_lia + 1)).clamp(1, 4096);
+        let mut look = Look::new();
+        self.played(py, n, |r| {
             for i in 0..n {
-                if i % BLOCK == BLOCK - 1 && !wait.goes_on(i as u64, n as u64) {
+                if i % every == every - 1 && !look.goes_on() {
                     return;
                 }
                 if let Some(given) = &given {
@@ -92,7 +124,7 @@ impl Sim {
                 r.advance(scene);
             }
         });
-        wait.error.map_or(Ok(()), Err)
+        look.error.map_or(Ok(()), Err)
     }
 }
 

@@ -4,7 +4,7 @@ use crate::error::{failure, usage};
 use crate::gesture::Gesture;
 use crate::measure::table;
 use crate::model::{Given, Model};
-use crate::wait::Wait;
+use crate::wait::{apart, unless};
 use ca_lab::Failure;
 use ca_lab::sweep::folder::{self, Folder};
 use ca_lab::sweep::{self, Audio, Axis, Column, SweepSpec};
@@ -57,12 +57,13 @@ impl Sweep {
         energy: bool,
         measure: bool,
     ) -> PyResult<Sweep> {
-        let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<Vec<_>, _>>();
-        let made = axes.and_then(|axes| {
+        let (whole, gesture) = (model.whole(), gesture.map(|g| g.gesture.clone()));
+        let made = apart(py, None, move |_| {
+            let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<_, _>>()?;
             let ask = SweepSpec { axes, runs, seed, seconds, rate, energy, measure };
-            sweep::Sweep::new(model.whole(), ask, gesture.map(|g| g.gesture.clone()))
+            sweep::Sweep::new(whole, ask, gesture)
         });
-        Ok(Sweep { sweep: made.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })
+        Ok(Sweep { sweep: made?.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })
     }
 
     /// How many runs there are.
@@ -113,28 +114,21 @@ impl Sweep {
     }
 
     /// Plays runs from `first` up to `end`: columns, and the sounds where they are wanted.
-    fn play<'py>(&self, py: Python<'py>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'py>> {
-        let mut wait = Wait::new(None);
-        let goes_on = &mut || !self.stop.load(Relaxed) && wait.goes_on(0, 1);
-        let mut sounds = Vec::new();
-        let rows = py.detach(|| {
-            let mut rows = Vec::new();
-            for index in first..end.min(self.sweep.runs()) {
-                let (row, sound) = self.sweep.run(index, goes_on)?;
+    fn play(of: Py<Sweep>, py: Python<'_>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'_>> {
+        let (rows, sounds) = Sweep::until_stopped(&of, py, move |sweep, goes_on| {
+            let (mut rows, mut sounds) = (Vec::new(), Vec::new());
+            for index in first..end.min(sweep.runs()) {
+                let (row, sound) = sweep.run(index, goes_on)?;
                 if audio {
                     sounds.push((sound, row.frames as usize));
                 }
                 rows.push(row);
             }
-            Ok(rows)
-        });
-        if let Some(e) = wait.error {
-            return Err(e);
-        }
-        let rows = rows.map_err(|e| failure(py, e))?;
-        let channels = self.sweep.channels();
-        let sounds = sounds.into_iter().map(|(sound, frames)| table(py, sound, frames, channels));
-        Ok((columns(py, self.sweep.table(&rows))?, sounds.collect::<PyResult<_>>()?))
+            Ok((rows, sounds))
+        })?;
+        let sweep = &of.get().sweep;
+        let sounds = sounds.into_iter().map(|(sound, frames)| table(py, sound, frames, sweep.channels()));
+        Ok((columns(py, sweep.table(&rows))?, sounds.collect::<PyResult<_>>()?))
     }
 
     /// Numbers of the chunks that are not in a folder yet.
@@ -144,32 +138,40 @@ impl Sweep {
     }
 
     /// Plays a chunk into a folder; how many runs it has.
-    fn fill(&self, py: Python, path: PathBuf, audio: &str, chunk: u64, which: u64) -> PyResult<u64> {
-        let folder = self.folder(py, path, audio, chunk)?;
-        let mut wait = Wait::new(None);
-        let goes_on = &mut |_: Option<&str>| !self.stop.load(Relaxed) && wait.goes_on(0, 1);
-        let done = py.detach(|| folder.fill(&self.sweep, which, goes_on));
-        wait.error.map_or(Ok(()), Err)?;
-        done.map_err(|e| failure(py, e))?;
+    fn fill(of: Py<Sweep>, py: Python, path: PathBuf, audio: &str, chunk: u64, which: u64) -> PyResult<u64> {
+        let folder = of.get().folder(py, path, audio, chunk)?;
         let (first, end) = folder.span(which);
+        Sweep::until_stopped(&of, py, move |sweep, goes_on| folder.fill(sweep, which, &mut |_| goes_on()))?;
         Ok(end - first)
     }
 
     /// All columns of a folder, whose manifest it writes; none where chunks are missing.
     fn gather<'py>(
-        &self,
+        of: Py<Sweep>,
         py: Python<'py>,
         path: PathBuf,
         audio: &str,
         chunk: u64,
     ) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let folder = self.folder(py, path, audio, chunk)?;
-        let all = py.detach(|| folder.gather(&self.sweep)).map_err(|e| failure(py, e))?;
+        let folder = of.get().folder(py, path, audio, chunk)?;
+        let all = apart(py, None, move |_| folder.gather(&of.get().sweep))?.map_err(|e| failure(py, e))?;
         all.map(|t| columns(py, t)).transpose()
     }
 }
 
 impl Sweep {
+    /// Does `work` until a signal comes or [`Sweep::stop`] is called.
+    fn until_stopped<R: Send + 'static>(
+        of: &Py<Sweep>,
+        py: Python,
+        work: impl FnOnce(&sweep::Sweep, &mut dyn FnMut() -> bool) -> Result<R, Failure> + Send + 'static,
+    ) -> PyResult<R> {
+        let mine = of.clone_ref(py);
+        let ended = || of.get().stop.load(Relaxed);
+        let found = unless(py, None, ended, move |wanted| work(&mine.get().sweep, &mut || wanted.still()))?;
+        found.unwrap_or(Err(Failure::Stopped)).map_err(|e| failure(py, e))
+    }
+
     fn folder(&self, py: Python, path: PathBuf, audio: &str, chunk: u64) -> PyResult<Folder> {
         let audio = Audio::named(audio);
         let audio = audio.ok_or_else(|| usage(py, "sounds of a folder are \"flac\", \"wav\" or \"none\""))?;

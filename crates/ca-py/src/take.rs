@@ -3,6 +3,7 @@
 use crate::error::{failure, file};
 use crate::measure::table;
 use crate::model::Model;
+use crate::wait::{Wanted, apart};
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};
@@ -11,6 +12,7 @@ use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Most samples of a hole in a sound, of all channels: an hour of one, and what says more is no take.
 const HOLE: u64 = 1 << 28;
@@ -18,7 +20,7 @@ const HOLE: u64 = 1 << 28;
 /// A take.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Take {
-    take: take::Take,
+    take: Arc<take::Take>,
 }
 
 /// What passed between the engine and one device.
@@ -61,6 +63,77 @@ impl Hand {
     }
 }
 
+/// Columns of a take, by topic.
+#[derive(Default)]
+struct Columns {
+    hands: Vec<Hand>,
+    sound: Vec<f64>,
+    energy: Vec<Vec<f64>>,
+    rt: Vec<Vec<f64>>,
+}
+
+/// All events, or those up to where they are not wanted any more.
+fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
+    let mut all = Columns::default();
+    for s in &take.header.setups {
+        all.hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
+    }
+    for event in take.events()?.take_while(|_| wanted.still()) {
+        match event? {
+            Event::Device(k, f) => {
+                let h = &mut all.hands[k];
+                h.tick.push(f.tick as i64);
+                h.number.push(f.seq as i64);
+                h.device_ns.push(f.t_device_ns as i64);
+                h.status.push(f.status);
+                h.position.extend(&f.pos[..h.dof]);
+                h.measured.extend(f.force_measured[..h.dof].iter().map(|x| f64::from(*x)));
+            }
+            Event::Force(k, f) => {
+                let h = &mut all.hands[k];
+                h.force_tick.push(f.tick as i64);
+                h.force.extend(f.force[..h.dof].iter().map(|x| f64::from(*x)));
+                h.answers.push(f.ack as i64);
+                h.flags.push(f.flags);
+                h.injected.push(f64::from(f.inject));
+                h.mode.push(Mode::read(f.mode).name());
+                h.cause.push(Cause::read(f.cause).name());
+            }
+            Event::Sound(tick, samples) => {
+                // what found no room is silence, so that time stays time
+                let there = all.sound.len() as u64;
+                let at = tick.checked_mul(take.header.channels.len() as u64);
+                let at = at.filter(|n| (there..=there + HOLE).contains(n)).ok_or_else(|| {
+                    let what = format!("sound at sample {tick}, after {there} of all channels");
+                    FileError::new(FileErrorKind::Content, what)
+                })?;
+                all.sound.resize(at as usize, 0.0);
+                all.sound.extend(samples);
+            }
+            Event::Energy(e) => {
+                let t = e.tick as f64 / take.header.rate;
+                all.energy.push(vec![t, e.h0, e.h, e.lost, e.source, e.work, e.changed, e.residual, e.peak]);
+            }
+            Event::Rt(r) => all.rt.push(vec![
+                r.tick as f64 / take.header.rate,
+                r.frames as f64,
+                r.missed as f64,
+                r.stale as f64,
+                r.dropped as f64,
+                r.faults as f64,
+                r.clipped as f64,
+                r.late_p50 * 1e-6,
+                r.late_p99 * 1e-6,
+                r.late_max * 1e-6,
+                r.busy,
+                r.underruns as f64,
+            ]),
+            _ => {}
+        }
+    }
+    Ok(all)
+}
+
 fn seconds(ticks: Vec<i64>, rate: f64) -> Vec<f64> {
     ticks.into_iter().map(|t| t as f64 / rate).collect()
 }
@@ -79,8 +152,8 @@ fn columns<'py>(py: Python<'py>, names: &[&str], rows: &[Vec<f64>]) -> PyResult<
 impl Take {
     #[new]
     fn new(py: Python, path: PathBuf) -> PyResult<Take> {
-        let take = py.detach(|| take::Take::open(&path)).map_err(|e| file(py, &e))?;
-        Ok(Take { take })
+        let take = apart(py, None, move |_| take::Take::open(&path))?.map_err(|e| file(py, &e))?;
+        Ok(Take { take: Arc::new(take) })
     }
 
     /// What it says before its first frame.
@@ -108,69 +181,9 @@ impl Take {
 
     /// All of it: devices by name, sound, energy, real-time numbers, the length, faults, losses, and how it ends.
     fn read<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let header = &self.take.header;
-        let mut hands: Vec<Hand> = Vec::new();
-        for s in &header.setups {
-            hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
-        }
-        let (mut sound, mut energy, mut rt) = (Vec::new(), Vec::new(), Vec::new());
-        let summary = py.detach(|| {
-            for event in self.take.events()? {
-                match event? {
-                    Event::Device(k, f) => {
-                        let h = &mut hands[k];
-                        h.tick.push(f.tick as i64);
-                        h.number.push(f.seq as i64);
-                        h.device_ns.push(f.t_device_ns as i64);
-                        h.status.push(f.status);
-                        h.position.extend(&f.pos[..h.dof]);
-                        h.measured.extend(f.force_measured[..h.dof].iter().map(|x| f64::from(*x)));
-                    }
-                    Event::Force(k, f) => {
-                        let h = &mut hands[k];
-                        h.force_tick.push(f.tick as i64);
-                        h.force.extend(f.force[..h.dof].iter().map(|x| f64::from(*x)));
-                        h.answers.push(f.ack as i64);
-                        h.flags.push(f.flags);
-                        h.injected.push(f64::from(f.inject));
-                        h.mode.push(Mode::read(f.mode).name());
-                        h.cause.push(Cause::read(f.cause).name());
-                    }
-                    Event::Sound(tick, samples) => {
-                        // what found no room is silence, so that time stays time
-                        let there = sound.len() as u64;
-                        let at = tick.checked_mul(header.channels.len() as u64);
-                        let at = at.filter(|n| (there..=there + HOLE).contains(n)).ok_or_else(|| {
-                            let what = format!("sound at sample {tick}, after {there} of all channels");
-                            FileError::new(FileErrorKind::Content, what)
-                        })?;
-                        sound.resize(at as usize, 0.0);
-                        sound.extend(samples);
-                    }
-                    Event::Energy(e) => {
-                        let t = e.tick as f64 / header.rate;
-                        energy.push(vec![t, e.h0, e.h, e.lost, e.source, e.work, e.changed, e.residual, e.peak]);
-                    }
-                    Event::Rt(r) => rt.push(vec![
-                        r.tick as f64 / header.rate,
-                        r.frames as f64,
-                        r.missed as f64,
-                        r.stale as f64,
-                        r.dropped as f64,
-                        r.faults as f64,
-                        r.clipped as f64,
-                        r.late_p50 * 1e-6,
-                        r.late_p99 * 1e-6,
-                        r.late_max * 1e-6,
-                        r.busy,
-                        r.underruns as f64,
-                    ]),
-                    _ => {}
-                }
-            }
-            self.take.summary()
-        });
-        let summary = summary.map_err(|e| file(py, &e))?;
+        let (header, take) = (&self.take.header, self.take.clone());
+        let found = apart(py, None, move |wanted| events(&take, wanted).and_then(|all| Ok((all, take.summary()?))))?;
+        let (Columns { hands, sound, energy, rt }, summary) = found.map_err(|e| file(py, &e))?;
         let d = PyDict::new(py);
         let all = PyDict::new(py);
         for (s, h) in header.setups.iter().zip(hands) {
@@ -207,16 +220,19 @@ impl Take {
 
     /// The page of a film of it: see `cordis_anima.Take.view`.
     fn view(&self, py: Python) -> PyResult<String> {
-        py.detach(|| view::take(&self.take, &catalog())).map_err(|e| failure(py, e))
+        let take = self.take.clone();
+        apart(py, None, move |_| view::take(&take, &catalog()))?.map_err(|e| failure(py, e))
     }
 
     /// Plays it again: what was compared, and the first thing that is not as it was.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let run = || {
-            let mut replay = Replay::new(&self.take, &catalog())?;
-            replay.run(&self.take, &mut |_| (), &mut |_| Ok(()))
+        let take = self.take.clone();
+        let run = move |wanted: &Wanted| {
+            let stopped = || FileError::new(FileErrorKind::Io, "stopped");
+            let mut replay = Replay::new(&take, &catalog())?;
+            replay.run(&take, &mut |_| (), &mut |_| if wanted.still() { Ok(()) } else { Err(stopped()) })
         };
-        let v: ReplayVerdict = py.detach(run).map_err(|e| failure(py, e.into()))?;
+        let v: ReplayVerdict = apart(py, None, run)?.map_err(|e| failure(py, e.into()))?;
         let d = PyDict::new(py);
         d.set_item("identical", v.is_identical())?;
         d.set_item("tolerance", v.tolerance)?;

@@ -1,39 +1,113 @@
-//! Long calls: how far they are, and whether anybody still wants them.
+//! Long calls: one thread computes, while the calling thread looks for signals and reports progress.
+//!
+//! Eigenvalues, compilation and a render of a fit cannot be interrupted, so a call does not wait for them. Ctrl-C ends the call at
+//! once. The computing thread ends at its next look at [`Wanted`], or when its work is done, and its result is dropped. It never
+//! holds the lock of the interpreter.
 
 use pyo3::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Between two looks at signals: often enough for a hand on Ctrl-C, seldom enough to cost nothing.
-const OFTEN: Duration = Duration::from_millis(50);
+/// Between two looks at signals.
+const OFTEN: Duration = Duration::from_millis(20);
+/// Time that an interrupted call leaves its work to finish or remove a file.
+const GRACE: Duration = Duration::from_millis(60);
+/// Stack of a computing thread, as large as a main thread has \[bytes\].
+const STACK: usize = 8 << 20;
 
-/// Asks now and then whether to go on, from a call that holds no lock of the interpreter.
-pub struct Wait {
+/// State that a call shares with its computing thread: progress, and a request to stop.
+#[derive(Default)]
+pub struct Wanted {
+    dropped: AtomicBool,
+    done: AtomicU64,
+    of: AtomicU64,
+}
+
+impl Wanted {
+    /// Reports progress; false if the work should stop.
+    pub fn goes_on(&self, done: u64, of: u64) -> bool {
+        self.of.store(of, Relaxed);
+        self.done.store(done, Relaxed);
+        self.still()
+    }
+
+    /// False if the work should stop.
+    pub fn still(&self) -> bool {
+        !self.dropped.load(Relaxed)
+    }
+}
+
+/// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error, `ended` with
+/// `None`.
+pub fn unless<R: Send + 'static>(
+    py: Python,
     progress: Option<Py<PyAny>>,
+    ended: impl Fn() -> bool,
+    work: impl FnOnce(&Wanted) -> R + Send + 'static,
+) -> PyResult<Option<R>> {
+    let wanted = Arc::new(Wanted::default());
+    let (found, mut ready) = sync_channel(1);
+    let computed = wanted.clone();
+    let run = move || drop(found.send(work(&computed)));
+    let thread = std::thread::Builder::new().name("ca".into()).stack_size(STACK).spawn(run)?;
+    let mut reported = (0, 0);
+    let mut report = |py: Python| {
+        let far = (wanted.done.load(Relaxed), wanted.of.load(Relaxed));
+        let news = progress.as_ref().filter(|_| far != reported);
+        reported = far;
+        news.map_or(Ok(()), |f| f.call1(py, far).map(drop))
+    };
+    loop {
+        let next;
+        (next, ready) = py.detach(move || (ready.recv_timeout(OFTEN), ready));
+        let stops = match next {
+            Ok(found) => return report(py).and_then(|()| py.check_signals()).map(|()| Some(found)),
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => return Ok(None),
+            },
+            Err(RecvTimeoutError::Timeout) => py.check_signals().and_then(|()| report(py)),
+        };
+        if stops.is_err() || ended() {
+            wanted.dropped.store(true, Relaxed);
+            drop(py.detach(move || ready.recv_timeout(GRACE)));
+            return stops.map(|()| None);
+        }
+    }
+}
+
+/// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error.
+pub fn apart<R: Send + 'static>(
+    py: Python,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&Wanted) -> R + Send + 'static,
+) -> PyResult<R> {
+    let found = unless(py, progress, || false, work)?;
+    found.ok_or_else(|| crate::error::failure(py, ca_lab::Failure::Stopped))
+}
+
+/// Looks at signals now and then, for work that is done by the thread that called.
+pub struct Look {
     last: Instant,
-    /// why it ended
+    /// what a signal raised
     pub error: Option<PyErr>,
 }
 
-impl Wait {
-    /// With what is reported `progress(done, of)`.
-    pub fn new(progress: Option<Py<PyAny>>) -> Wait {
-        Wait { progress, last: Instant::now(), error: None }
+impl Look {
+    /// From now on.
+    pub fn new() -> Look {
+        Look { last: Instant::now(), error: None }
     }
 
-    /// False where a signal or the callback ends the call.
-    pub fn goes_on(&mut self, done: u64, of: u64) -> bool {
-        if self.error.is_some() {
-            return false;
+    /// False where a signal ends the work.
+    pub fn goes_on(&mut self) -> bool {
+        if self.error.is_none() && self.last.elapsed() >= OFTEN {
+            self.last = Instant::now();
+            let signals = |py: Python| py.check_signals();
+            self.error = Python::attach(signals).err();
         }
-        if done < of && self.last.elapsed() < OFTEN {
-            return true;
-        }
-        self.last = Instant::now();
-        let reported = Python::attach(|py| {
-            py.check_signals()?;
-            self.progress.as_ref().map_or(Ok(()), |f| f.call1(py, (done, of)).map(drop))
-        });
-        self.error = reported.err();
         self.error.is_none()
     }
 }

@@ -151,12 +151,20 @@ pub fn mims_text(path: &Path) -> Result<String, FileError> {
 /// # Errors
 /// Where it cannot be read, or is not UTF-8; with line and column.
 pub fn text(path: &Path) -> Result<String, FileError> {
-    String::from_utf8(reading::text(path, reading::MODEL)?).map_err(|e| {
+    utf8(reading::text(path, reading::MODEL)?, path)
+}
+
+/// Bytes as text; messages call them `name`.
+///
+/// # Errors
+/// Where they are not UTF-8; with line and column.
+pub fn utf8(bytes: Vec<u8>, name: &Path) -> Result<String, FileError> {
+    String::from_utf8(bytes).map_err(|e| {
         let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
         let good = String::from_utf8_lossy(good);
         let (line, column) = line_column(&good, good.len());
         let what = format!("not a text in UTF-8, from line {line}, column {column} on");
-        FileError::new(FileErrorKind::Format, what).file(path.display()).fix("save it as UTF-8")
+        FileError::new(FileErrorKind::Format, what).file(name.display()).fix("save it as UTF-8")
     })
 }
 

@@ -1,4 +1,4 @@
-//! The depth at which a contact by a power law is as steep as is safe (docs/numerics.md §3.2).
+//! The depth at which slope·T²/m of a contact by a power law is 1 (docs/numerics.md §3.2).
 
 use super::thresholds::link;
 use crate::laws::conformance::drawn::catalog;

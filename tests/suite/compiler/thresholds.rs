@@ -83,12 +83,20 @@ fn limits() -> Vec<Limit> {
         }),
         ("W104", "may make energy", 1.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         ("W104", "makes energy at every blow", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+        // a + 2b, of stiffness, of viscosity, and of both
+        ("W117", "the limit is 4", 4.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+        ("W117", "the limit is 4", 2.0, |b| link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))),
+        ("W117", "the limit is 4", 3.0, |a| link("BUT", &format!("k = {:?}, z = {:?}", k(a), z(0.5)))),
+        ("W117", "the limit is 4", 4.0, |a| link("PLK", &format!("k = {:?}, d = 1", k(a)))),
         // a chain of 0.9 with b more at one mass has the largest eigenvalue 1.8 + sqrt(1.8² + b²)
         ("W107", "the limit is 4", 1.264_911, held),
         ("W112", "has a support softer than itself", 100.0, lpr),
         // slope·T/m is f/(v0 m) T
         ("W113", "stay below 1.5", 1.5, |a| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\"", z(a)))
+        }),
+        ("N206", "below 4", 4.0, |b| {
+            link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\", method = \"newton\"", z(b)))
         }),
         // 1 % of the half of the sound rate are left to the filter
         ("E023", "stay below 23760 Hz", 23_760.0, |f| rate(&format!("filter = {f:?}"))),
@@ -315,6 +323,54 @@ fn as_many_masses_as_are_advised_can_sound() {
         assert!(!of(n).contains("E023"), "{code}{more}: {n}: {}", of(n));
         assert!(of(n + 1).contains("E023"), "{code}{more}: {} can", n + 1);
     }
+}
+
+/// Whatever is offered for twelve masses on the highest keys of a piano lets them sound; of the two that have a number, no less does.
+#[test]
+fn each_way_that_is_offered_to_the_highest_strings_works() {
+    let mut seen = 0;
+    for key in 60..=88 {
+        let f = 440.0 * (f64::from(key - 49) / 12.0).exp2();
+        for (code, more) in
+            [("STRING", ""), ("STRING", ", t60 = 1"), ("CHAIN", ""), ("STIFFSTRING", ", b = 1e-4"), ("RING", "")]
+        {
+            let of = |top: &str, n: u32| {
+                found(&format!("{top}\n{}", generator(code, &format!("n = {n}, m = 1, f = {f:?}{more}"))))
+            };
+            let all = of("", 12);
+            let number = |before: &str| -> Option<u32> {
+                let text = all.split(before).nth(1)?;
+                text.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+            };
+            if !all.contains("cannot sound") {
+                continue;
+            }
+            seen += 1;
+            let is_fine = |all: &str| !all.lines().any(|l| l.starts_with('E'));
+            let ticks = number("`oversample = ").unwrap_or_else(|| panic!("{code} {key}: {all}"));
+            let rate = |ticks: u32| format!("[rate]\noversample = {ticks}");
+            assert!(is_fine(&of(&rate(ticks), 12)), "{code} {key}: {ticks} ticks: {}", of(&rate(ticks), 12));
+            assert!(
+                of(&rate(ticks - 1), 12).contains("cannot sound"),
+                "{code} {key}: {ticks} ticks are more than enough"
+            );
+            if let Some(n) = number("use at most ") {
+                assert!(is_fine(&of("", n)) && of("", n + 1).contains("cannot sound"), "{code} {key}: {n} masses");
+            }
+            assert!(all.contains("`method = \"modal\"` in its group or `[model]`"), "{code} {key}: {all}");
+            let modal = of("[model]\nmethod = \"modal\"", 12);
+            assert!(is_fine(&modal), "{code} {key}: {modal}");
+        }
+    }
+    assert!(seen > 16, "{seen}");
+    // with several ticks in a sample already, more of them are meant
+    let text = format!("[rate]\noversample = 2\n{}", generator("STRING", "n = 100, m = 1, f = 2000"));
+    let more = found(&text);
+    assert!(more.contains("`oversample = 9`"), "{more}");
+    assert!(!found(&text.replace("= 2\n", "= 9\n")).contains("E023"));
+    assert!(found(&text.replace("= 2\n", "= 8\n")).contains("E023"));
+    // more ticks do not make a pitch above half the sound rate audible
+    assert!(!found(&generator("STRING", "n = 3, m = 1, f = 30000")).contains("oversample"));
 }
 
 /// Where the junctions of a waveguide of a hundred samples may be, how long it may be, how soon it may die out.

@@ -216,12 +216,35 @@ fn every_format_gives_the_same_cloud() {
                  element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0\n0.1 0 0\n1 0\n";
     let edges = put("e.ply", edges.as_bytes());
     assert_eq!((edges.points, edges.edges), (vec![[0.0; 3], [0.1, 0.0, 0.0]], vec![[0, 1]]));
+    // strips of triangles, which −1 divides; one without area turns a strip
+    let strips = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+                  element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+                  0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n9 0 1 2 2 -1 3 4 5 5\n";
+    let strips = put("s.ply", strips.as_bytes());
+    assert_eq!((strips.edges, strips.flat), (vec![[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]], 0));
+    // lines that end in a carriage return, alone or not, in text and before binary data
+    let text = ply("ascii", f32::to_le_bytes, u32::to_le_bytes);
+    for end in ["\r", "\r\n"] {
+        let ended = String::from_utf8(text.clone()).unwrap().replace('\n', end);
+        assert_eq!(put("r.ply", ended.as_bytes()), pyramid());
+        assert_eq!(put("r.obj", obj().replace('\n', end).as_bytes()), pyramid());
+        let binary = ply("binary_little_endian", f32::to_le_bytes, u32::to_le_bytes);
+        let at = binary.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        let head = String::from_utf8(binary[..at].to_vec()).unwrap().replace('\n', end);
+        assert_eq!(put("rb.ply", &[head.as_bytes(), &binary[at..]].concat()), pyramid());
+    }
+    // a continuation over several lines, and one at the end of the file
+    let long = put("c.obj", b"v 0 \\\n 0 \\\r\n0\nv 1 0 0\nv 0 1 0 # \\\nf 1 2 \\\n\\\n3 \\");
+    assert_eq!((long.points.len(), long.edges.len()), (3, 3));
     // rows: with a header and other columns, or plain
     let rows = CORNERS.map(|[x, y, z]| format!("7,{z},{x},{y}\n")).concat();
     let plain = CORNERS.map(|[x, y, z]| format!("{x}, {y}, {z}\n")).concat();
     let points = Cloud { edges: Vec::new(), flat: 0, ..pyramid() };
     assert_eq!(put("h.csv", format!("id,Z,x,y\n{rows}").as_bytes()), points);
     assert_eq!(put("p.csv", format!("# plain\n{plain}").as_bytes()), points);
+    // commas at the ends of rows, and rows without a word
+    assert_eq!(put("t.csv", format!(" \n{}", plain.replace('\n', ",\n \n,,\n")).as_bytes()), points);
+    assert_eq!(put("u.csv", format!("x,y,z,\n{}", plain.replace('\n', ",\n")).as_bytes()), points);
 }
 
 #[test]
@@ -251,17 +274,40 @@ fn files_that_are_no_clouds_say_why() {
     assert_eq!(huge, "it: 4000000000 points are more than the 1000000 a model holds; simplify it");
     assert_eq!(
         said("a.obj", b"v 0 0 0\nf 1 2 3\n"),
-        "it, line 2: `2` is no point; points count from 1, and stand above"
+        "it, line 2: `2` is not a point; points count from 1, and stand above"
     );
     assert_eq!(said("b.obj", b"v 0 zero 0\n"), "it, line 1: `zero` is not a number; a point is `v x y z`");
     assert_eq!(said("c.obj", b"v 0 0\n"), "it, line 1: a number is missing; a point is `v x y z`");
-    assert_eq!(said("d.obj", b"f 1 2 3\n").split(';').next(), Some("it, line 1: `1` is no point"));
+    assert_eq!(said("d.obj", b"f 1 2 3\n").split(';').next(), Some("it, line 1: `1` is not a point"));
     assert_eq!(said("e.obj", b""), "it: it holds no points");
     let number = "write it like `-1.5e-3`, without a unit";
     assert_eq!(said("a.csv", b"x,y,z\n0,0,1 cm\n"), format!("it, line 2, column 3: `1 cm` is not a number; {number}"));
     assert_eq!(said("b.csv", b"x,y,z\n0,inf,1\n"), format!("it, line 2, column 2: `inf` is not a number; {number}"));
     assert_eq!(said("c.csv", b"0,0,0\n0,0\n"), format!("it, line 2, column 3: there is no number; {number}"));
     assert!(said("d.csv", b"x;y;z\n").contains("neither three numbers nor a header"));
+    let columns = "separate columns by commas and write decimals with a point";
+    for (text, line) in [("x,y,z\n0,1,0,0\n", 2), ("0,0,0\n\n0,1,0,0\n", 3), ("0,0,0\n0,1,0,1,0,1\n", 2)] {
+        let n = text.lines().last().unwrap().split(',').count();
+        let want = format!("it, line {line}: {n} cells where the first row has 3; {columns}");
+        assert_eq!(said("comma.csv", text.as_bytes()), want);
+    }
+    assert!(said("comma.csv", b"0,1,0,0\n").ends_with(columns));
+    assert_eq!(
+        said("comma.obj", b"v 0 0 0\nv 0,1 0 0\n"),
+        "it, line 2: `0,1` is not a number; write decimals with a point, as in `0.1`"
+    );
+    let body = format!("{header}property float z\nend_header\n");
+    let comma = said("comma.ply", format!("{body}\n0 0 0\n1 0,5 1\n").as_bytes());
+    assert_eq!(comma, "it, line 10: `0,5` is not a number; write decimals with a point, as in `0.1`");
+    let anew = "export it anew, as text or binary PLY";
+    let short = said("short.ply", format!("{body}0 0 0\n1 \u{1b}[2J\n").as_bytes());
+    assert_eq!(short, format!("it, line 9: `1 \\u{{1b}}[2J` is not a `vertex`, which has x, y, z; {anew}"));
+    let early = said("early.ply", format!("{body}0 0 0\n").as_bytes());
+    assert_eq!(early, format!("it: it ends before all 2 of its `vertex`; {anew}"));
+    let endless = said("endless.ply", header.as_bytes());
+    assert_eq!(endless, format!("it: its header has no `end_header`; {anew}"));
+    let odd = said("odd.ply", b"ply\nformat ascii 1.0\n\nelement\nend_header\n");
+    assert_eq!(odd, format!("it, line 4: `element` is not a line of a header; {anew}"));
     assert_eq!(said("a.stl", b""), "it: the extension says no format of points; use `.ply`, `.obj` or `.csv`");
     assert!(open(dir.path().join("none.ply")).unwrap_err().to_string().contains("cannot be read"));
 }
@@ -299,6 +345,13 @@ fn a_cloud_becomes_masses_and_springs() {
     assert_eq!(build("[room.CLOUD]\np = { file = \"pyramid.obj\", m = 1 }\n").unwrap().n_lia, 5);
     let missing = build("[room.CLOUD]\np = { file = \"cone.obj\", m = 1 }\n").unwrap_err();
     assert!(missing.list.iter().any(|d| d.code == "E031" && d.title.contains("cone.obj") && d.span().is_some()));
+    // the path is right where the file was read
+    std::fs::write(dir.path().join("empty.ply"), "ply\n").unwrap();
+    for (name, path) in [("cone.obj", true), ("empty.ply", false)] {
+        let found = build(&format!("[room.CLOUD]\np = {{ file = \"{name}\", m = 1 }}\n")).unwrap_err();
+        let help = found.list.iter().find(|d| d.code == "E031").and_then(|d| d.help.clone()).expect("help");
+        assert_eq!(help.contains("the path starts from"), path, "{help}");
+    }
 }
 
 #[test]

@@ -209,6 +209,14 @@ fn keys_on_one_degree_of_freedom_are_noted() {
     assert_eq!(said(&model("")).len(), 1);
     assert!(said(&model(""))[0].contains("degree of freedom 0 of `t` moves 3 ports at once"));
     assert!(said(&model(", with = { d = [0, 1, 2] }")).is_empty());
+    // keys with different notes are played by MIDI; keys with the same note by one hand
+    let midi = |note: &str| {
+        let text = model("").replace("dof = 'd' }", "dof = 'd', midi = { note = 'p', to = '1 mm' } }");
+        text.replace("param]\nd = 0", "param]\nd = 0\np = 60")
+            .replace("n = 3", &format!("n = 3, with = {{ p = {note} }}"))
+    };
+    assert!(said(&midi("['C4', 'D4', 'E4']")).is_empty());
+    assert_eq!(said(&midi("'C4'")).len(), 1);
 }
 
 #[test]

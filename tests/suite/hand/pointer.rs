@@ -1,6 +1,7 @@
 //! A pointer that holds a mass: the coupling in closed form, what it costs who does not use it, its work in the ledger, and
 //! that no hand makes a scene diverge with it; ports and the model's own gesture by an engine.
 
+use super::guard::{Rig, bare};
 use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
 use ca_core::pointer::{Pointer, Refused};
@@ -245,4 +246,25 @@ fn ports_glide_and_a_gesture_begins_where_they_are() {
     engine.command(EngineCommand::Touch(Touch::Port(99, 1.0, GLIDE)));
     engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN, GLIDE)));
     assert_eq!(engine.counts.refused, 2);
+}
+
+/// A device of one degree of freedom, in a model with a key that it has and one that it does not have.
+#[test]
+fn a_key_that_its_device_does_not_have_is_moved_while_that_plays() {
+    let mut rig = Rig::new(
+        "[MAS]\na = { m = \"1 g\" }\nb = { m = \"1 g\" }\n[TGR]\nnear = { device = \"key\" }\nfar = { device = \"key\", dof = 40 }\n\
+         [REF]\nl = { between = [\"near\", \"a\"], k = 10, z = 0.1 }\nm = { between = [\"far\", \"b\"], k = 10, z = 0.1 }\n[SOX]\nout = { from = \"b\" }\n",
+        bare(),
+    );
+    let inputs = ["near", "far"].map(|name| rig.engine.scene.input(name).unwrap());
+    for _ in 0..100 {
+        rig.go(&[1e-3]);
+    }
+    for input in inputs {
+        rig.engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3, GLIDE)));
+    }
+    for _ in 0..100 {
+        rig.go(&[1e-3]);
+    }
+    assert_eq!(inputs.map(|i| rig.engine.state.input[i]), [1e-3, 4e-3]);
 }

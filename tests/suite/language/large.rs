@@ -27,7 +27,8 @@ fn part(text: &str, span: Span) -> &str {
 fn a_text_in_parts_says_what_the_whole_says() {
     let text = long();
     let (model, diags) = read(&text, "long.ca.toml", &catalog());
-    assert!(diags.list.is_empty(), "{diags}");
+    // its tables go on over lines, which is TOML 1.1
+    assert_eq!(diags.list.iter().map(|d| d.code).collect::<Vec<_>>(), ["N205"], "{diags}");
     assert_eq!((model.items.len(), model.groups.len(), model.title()), (120_001, 1, "[MAS]"));
     // the names in the order of the text, and every place its own
     for (i, item) in model.items.iter().enumerate() {
@@ -72,7 +73,7 @@ fn a_finding_in_a_long_text_looks_as_in_a_short_one() {
         let text =
             format!("{}[MAS]\nb = {{ m = 1,\n mm = 2 }}\nc = {{ m = 1 }}\nb = {{ m = 2 }}\n", "#\n".repeat(lines));
         let (model, diags) = read(&text, "m.ca.toml", &catalog());
-        assert_eq!(diags.list.len(), 2);
+        assert_eq!(diags.list.len(), 3);
         render::text(&diags, &model, false)
     };
     // both numbers have five digits, so nothing else of the report changes

@@ -10,4 +10,5 @@ mod reader;
 mod scaled;
 mod select;
 mod set;
+mod toml;
 mod writer;

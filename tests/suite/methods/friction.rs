@@ -5,6 +5,7 @@ use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{TURN, audited, mat, off, rel_l2, scene, within};
 use ca_core::scene::certificate::Level;
 use ca_core::tick;
+use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
@@ -44,7 +45,8 @@ proptest! {
                     );
                     let scene = audited(&text);
                     prop_assert_eq!(scene.certificate.level, Level::Proven);
-                    prop_assert!(scene.findings.list.is_empty(), "{}", scene.findings);
+                    // Newton's method gives way here and there
+                    prop_assert!(scene.findings.list.iter().all(|d| d.code == "N206"), "{}", scene.findings);
                     let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
                     prop_assert!(made(&s) <= 1e-12, "made {:e}\n{text}", made(&s));
                     prop_assert!(heat(&scene, &s) > 0.0);
@@ -425,9 +427,88 @@ proptest! {
                 -0.3 * speed, share * f, 0.1 * one * 48e3 * 48e3, 0.02 * two * 48e3 * 48e3
             );
             let scene = audited(&text);
-            prop_assert_eq!(scene.certificate.level, Level::Proven);
+            // on a shared mass it creeps
+            let level = if more.is_empty() { Level::Proven } else { Level::RuleOfThumb };
+            prop_assert_eq!(scene.certificate.level, level);
             let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
             prop_assert!(made(&s) <= 1e-12, "made {:e}\n{text}", made(&s));
         }
     }
+}
+
+/// A block of 10 g on a table, under a weight along it of 5 m/s² times its mass and `more` words.
+fn weighed(f: f64, more: &str) -> String {
+    format!(
+        "[h]\ngravity = 5.0\n[h.SOL]\ntable = {{}}\n[h.MAS]\nb = {{ m = 0.01{more} }}\n[BOW]\nr = {{ between = [\"h.b\", \"h.table\"], curve = \
+         \"coulomb\", f = {f:?}, fd = 0.03, method = \"set-valued\" }}\n[SOX]\no = {{ from = \"h.b\" }}\n"
+    )
+}
+
+/// The static force holds a block at rest at load; the sliding force acts on a block that moves.
+#[test]
+fn what_rests_at_load_sticks() {
+    let far = |text: &str| {
+        let scene = scene(text);
+        let mut s = scene.state();
+        (0..48_000).for_each(|_| tick(&scene, &mut s));
+        s.x[mat(&scene, "h.b")]
+    };
+    within("held", far(&weighed(0.0501, "")).abs(), 1e-15);
+    // g − 0.03/m over a second, whether the static force is too small or it moves
+    within("let go", off(far(&weighed(0.0499, "")), -1.0), 1e-3);
+    within("on its way", off(far(&weighed(0.06, ", v = -1e-6")), -1.0), 1e-3);
+    let still = scene(&weighed(0.06, ""));
+    assert_eq!(still.initial.mem[0], 1.0);
+    within("its first tick", still.initial.d[mat(&still, "h.b")].abs(), 1e-18);
+    // takes of before were played from a start that slides
+    let (model, _) = ca_model::read::read(&weighed(0.06, ""), "old.ca.toml", &catalog());
+    let older = |arithmetic| {
+        let options = ca_compile::Options { arithmetic, ..ca_compile::Options::default() };
+        ca_compile::compile(&model, &catalog(), &options).expect("it compiles").initial.mem[0]
+    };
+    assert_eq!([Some(4), Some(5), None].map(older), [0.0, 1.0, 1.0]);
+}
+
+/// Blocks that are stacked creep where they should stick: it is said, and not called proven; one block is.
+#[test]
+fn stacked_blocks_creep_and_are_not_called_proven() {
+    let text = "[SOL]\nt = {}\n[MAS]\na = { m = 0.02 }\nb = { m = 0.01 }\n[ENF]\np = { to = \"b\" }\n[BOW]\nr = { between = [\"a\", \"t\"], \
+                curve = \"coulomb\", f = 1.0, method = \"set-valued\" }\ns = { between = [\"b\", \"a\"], curve = \"coulomb\", f = 0.6, method = \
+                \"set-valued\" }\n[SOX]\no = { from = \"b\" }\n";
+    let shared = scene(text);
+    assert_eq!((shared.certificate.level, &shared.certificate.decides[..]), (Level::RuleOfThumb, "r"));
+    assert_eq!(shared.findings.list.iter().filter(|d| d.code == "W118").count(), 2, "{}", shared.findings);
+    let mut s = shared.state();
+    for _ in 0..48_000 {
+        s.input[0] = 0.5;
+        tick(&shared, &mut s);
+    }
+    let crept = s.x[mat(&shared, "b")];
+    assert!(crept > 1e-5 && crept < 2e-4, "by no more than both creeps: {crept}");
+    let alone = scene(
+        &text
+            .replace("s = { between = [\"b\", \"a\"], curve = \"coulomb\", f = 0.6, method = \"set-valued\" }\n", "")
+            .replace("to = \"b\"", "to = \"a\""),
+    );
+    assert_eq!(alone.certificate.level, Level::Proven);
+    assert!(alone.findings.list.iter().all(|d| d.code != "W118"), "{}", alone.findings);
+}
+
+/// Newton's method that is not used is reported, whatever the cause; where it is used, nothing is.
+#[test]
+fn newtons_method_that_gives_way_is_reported() {
+    let notes = |text: &str| scene(text).findings.list.iter().filter(|d| d.code == "N206").count();
+    // slope·T/m is √e f T/(v0 m)
+    let bow = |f: f64, method: &str| {
+        format!(
+            "[MAS]\na = {{ m = 1e-3 }}\nb = {{ m = 1e6, v = 0.1 }}\n[BOW]\nr = {{ between = [\"a\", \"b\"], f = {f:?}, v0 = 0.05, method = \
+             \"{method}\" }}\n[SOX]\no = {{ from = \"a\" }}\n"
+        )
+    };
+    let limit = 4.0 * 0.05 * 1e-3 * 48e3 / 0.5_f64.exp() / (1.0 + 1e-9);
+    assert_eq!([0.999, 1.001].map(|share| notes(&bow(share * limit, "newton"))), [0, 1]);
+    assert_eq!(notes(&bow(2.0 * limit, "secant")), 0);
+    let shared = bow(0.1 * limit, "newton")
+        .replace("[SOX]", "t = { between = [\"a\", \"b\"], f = 1, v0 = 1, method = \"secant\" }\n[SOX]");
+    assert_eq!(notes(&shared), 1);
 }

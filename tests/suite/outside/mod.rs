@@ -2,6 +2,8 @@
 
 mod files;
 mod imports;
+mod inputs;
 mod mims;
 mod peers;
 mod published;
+mod takes;

@@ -158,6 +158,9 @@ pub struct CalibrateArgs {
 pub struct ConformanceArgs {
     /// The device, running
     pub name: String,
+    /// The profile that `ca serve` will be given for it, by name or file; the profile with its name if left out
+    #[arg(long, value_name = "[DEVICE=]PROFILE")]
+    pub profile: Vec<String>,
     /// Largest force it is given, in newtons; at most a twentieth of what it says it can give. 0 tests without
     #[arg(long, value_name = "N", default_value_t = 0.5)]
     pub force: f64,

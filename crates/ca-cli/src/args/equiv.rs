@@ -1,8 +1,10 @@
 //! How large and how heavy a model is in the hand.
 
+use super::completions;
 use super::{pair, quantity_of};
 use ca_core::kind::Unit;
 use clap::Args;
+use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
 /// Shows and sets how large and how heavy a model is in the hand
@@ -22,7 +24,8 @@ use std::path::PathBuf;
   ca equiv heavy.ca.toml --key 'key[2].key' --lever 2 --verbose")]
 #[command(group(clap::ArgGroup::new("own").multiple(true)))]
 pub struct EquivArgs {
-    /// `*.ca.toml` file, MIMS `.mdl` file, or name of a bundled model
+    /// `*.ca.toml` file, MIMS `.mdl` file, name of a bundled model, or `-` for standard input
+    #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// Makes so much in the hand equal so much in the model, e.g. mass=20g:1.0; once or twice
     #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence)]

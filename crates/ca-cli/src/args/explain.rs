@@ -1,6 +1,8 @@
 //! A code of a finding.
 
+use super::completions;
 use clap::Args;
+use clap_complete::ArgValueCompleter;
 
 /// Explains a finding by its code
 ///
@@ -14,6 +16,7 @@ use clap::Args;
   ca explain w103 --json")]
 pub struct ExplainArgs {
     /// The code, as it stands in brackets behind `error`, `warning` or `note`
+    #[arg(add = ArgValueCompleter::new(completions::codes))]
     pub code: Option<String>,
     /// As JSON
     #[arg(long)]

@@ -1,9 +1,11 @@
 //! A model fitted to a recording.
 
+use super::completions;
 use super::equiv::WriteTo;
 use super::{pair, quantity_of};
 use ca_core::kind::Unit;
 use clap::Args;
+use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
 /// Finds numbers of a model by a recorded sound
@@ -14,8 +16,8 @@ use std::path::PathBuf;
 /// Each number is printed with two standard deviations, or as not determined. A number stays within the range of its kind or
 /// `[param]`, and within `--range`. What of the recording is not fitted (`--seconds`) is predicted, by the model and by as many
 /// numbers of damped sinusoids. Nothing is written unless `--write` or `--in-place` says where; the rest of the file, its
-/// comments too, stays as it is. Exit code 3, and nothing written, where the model comes no nearer or does not explain
-/// the sound.
+/// comments too, stays as it is. Exit code 3, and nothing written, where the model comes no nearer, does not explain
+/// the sound or ends at another pitch. A start more than a semitone from the pitch of the recording is reported.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca render hammered_string -o target.wav --seconds 0.7 --set low.f='112 Hz' --set hammer.m='5 g'
@@ -23,10 +25,11 @@ use std::path::PathBuf;
   ca fit hammered_string --to target.wav --vary low.f --range low.f='90 Hz..130 Hz' --json
   ca fit fitted.ca.toml --to target.wav --vary low.f,low.t60 --seconds '400 ms' --report fit.html")]
 pub struct FitArgs {
-    /// `*.ca.toml` file or name of a bundled model
+    /// `*.ca.toml` file, name of a bundled model, or `-` for standard input
+    #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
-    /// The recording, a WAV file
-    #[arg(long, value_name = "FILE.wav")]
+    /// The recording, a WAV or FLAC file
+    #[arg(long, value_name = "FILE")]
     pub to: PathBuf,
     /// Numbers to be found, as `--set` knows them, e.g. low.f,hammer.m
     #[arg(long, value_name = "NAME,…", required = true, value_delimiter = ',')]

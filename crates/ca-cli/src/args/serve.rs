@@ -44,9 +44,14 @@ pub struct ServeArgs {
     /// A JACK server that plays the sound brings MIDI by a port `midi_in`, unasked
     #[arg(long, value_name = "PATH", num_args = 0..=1, default_missing_value = "")]
     pub midi: Option<PathBuf>,
-    /// Plays by OSC, from this machine: a UDP port; 0 takes a free one
+    /// Plays by OSC, from this machine: a UDP port; 0 takes a free one. A model with devices takes only messages with the
+    /// token of `--osc-token` in front of their address
     #[arg(long, value_name = "PORT")]
     pub osc: Option<u16>,
+    /// The file with the token that addresses of OSC begin with, `/TOKEN/param`: readable by you alone, made if it is not there;
+    /// `osc-token` beside your profiles if left out
+    #[arg(long, value_name = "FILE", requires = "osc")]
+    pub osc_token: Option<PathBuf>,
     /// Plays the model's own gesture from the start
     #[arg(long)]
     pub gesture: bool,
@@ -104,6 +109,23 @@ pub struct SetArgs {
     /// What to change
     #[arg(value_name = "NAME=VALUE", value_parser = pair)]
     pub values: Vec<(String, String)>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Shows or chooses what plays the sound of a running `ca serve` or `ca play`
+///
+/// Without a name it says what plays, and what may: a server (`jack`, `pulse`), with the feature `audio` a sound device by name, and
+/// `page`, the page of `ca play`. With a name the sound goes there from now on, while the model plays on; what does not open leaves it
+/// where it is. A device that goes away is waited for, and the sound comes back to it.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca audio
+  ca audio --json")]
+pub struct AudioArgs {
+    /// The server, the sound device, or `page`
+    pub device: Option<String>,
     /// Prints the answer as JSON
     #[arg(long)]
     pub json: bool,

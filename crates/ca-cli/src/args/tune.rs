@@ -1,9 +1,11 @@
 //! Parts of a model, tuned.
 
+use super::completions;
 use super::equiv::WriteTo;
 use super::quantity_of;
 use ca_core::kind::Unit;
 use clap::{Args, ValueEnum};
+use clap_complete::ArgValueCompleter;
 
 /// Tunes strings, meshes, cells and banks
 ///
@@ -20,7 +22,8 @@ use clap::{Args, ValueEnum};
   ca tune glass --scale just --root C5 rim --write bowl.ca.toml
   ca tune higher.ca.toml skin=F3+10 --a4 '442 Hz' --in-place --json")]
 pub struct TuneArgs {
-    /// `*.ca.toml` file or name of a bundled model
+    /// `*.ca.toml` file, name of a bundled model, or `-` for standard input
+    #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// Part and pitch, e.g. low=A2; with `--scale` the parts alone
     #[arg(value_name = "PART=PITCH", required = true)]

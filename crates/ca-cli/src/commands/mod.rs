@@ -5,6 +5,7 @@ pub mod accuracy;
 pub mod bench;
 mod border;
 pub mod check;
+pub mod completions;
 pub mod control;
 pub mod device;
 pub mod equiv;

@@ -12,6 +12,7 @@ use ca_lab::sweep::plan::{self, Plan};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write as _;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
@@ -32,7 +33,10 @@ pub fn run(args: &SweepArgs) -> Outcome {
     let cores = || std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let threads = args.threads.map_or_else(cores, usize::from).min(chunks.len().max(1));
     let begin = Instant::now();
-    let counts = played(&plan, &folder, &chunks, threads)?;
+    let counts = played(&plan, &folder, &chunks, threads).map_err(|e| match e {
+        Failure::Interrupted(_) => Failure::Interrupted(left(&plan, &folder, path)),
+        other => other,
+    })?;
     let wall = begin.elapsed().as_secs_f64();
     let whole = folder.gather(&plan.sweep)?.is_some();
 
@@ -101,6 +105,14 @@ fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Resul
         Some(e) => Err(e.into()),
         None => Ok(counts.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)),
     }
+}
+
+/// The message of a sweep that Ctrl-C ended: the runs that are kept, and the command for the others.
+fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
+    let there: u64 = (0..folder.chunks()).filter(|c| folder.has(*c)).map(|c| folder.span(c).1 - folder.span(c).0).sum();
+    let all = plan.sweep.runs();
+    let kept = format!("{there} of {all} runs are in `{}` and stay there", path.display());
+    format!("interrupted: {kept}; the same command goes on with the others")
 }
 
 /// What would be played, and how long it takes.

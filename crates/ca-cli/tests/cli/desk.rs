@@ -70,6 +70,14 @@ impl Desk {
         list.sort();
         list
     }
+    /// Samples of a FLAC file, full scale 1, by another decoder than the encoder's.
+    pub fn flac(&self, name: &str) -> (claxon::metadata::StreamInfo, Vec<f64>) {
+        let mut flac = claxon::FlacReader::open(self.path(name)).unwrap();
+        let info = flac.streaminfo();
+        let full = f64::from(1 << (info.bits_per_sample - 1));
+        let samples = flac.samples().map(|s| f64::from(s.unwrap()) / full).collect();
+        (info, samples)
+    }
     /// Samples of a WAV file, full scale 1.
     pub fn wav(&self, name: &str) -> (hound::WavSpec, Vec<f64>) {
         let mut r = hound::WavReader::open(self.path(name)).unwrap();

@@ -40,6 +40,8 @@ pub enum Lie {
     NoForce,
     /// it moves against the force: positions and forces have not the same sign
     Sign,
+    /// it tells the truth, and its hand swings to and fro all the time
+    Moves,
 }
 
 /// Frame of 3000 a second \[ns\].
@@ -172,6 +174,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
             Lie::Positions => frame.pos[0] = 0.02,
             // a damped finger that is pushed the wrong way
             Lie::Sign => frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01),
+            Lie::Moves => frame.pos[0] = 0.0095 * (std::f64::consts::TAU * n as f64 / 400.0).sin(),
             _ => {}
         }
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);

@@ -36,8 +36,11 @@ impl Host {
     pub fn play(model: &str, more: &[&str]) -> Host {
         let dir = tempfile::Builder::new().prefix("cap").tempdir_in("/tmp").unwrap();
         std::fs::write(dir.path().join("model.ca.toml"), model).unwrap();
+        std::fs::create_dir(dir.path().join("tmp")).unwrap();
         let args = [&["play", "model.ca.toml", "--no-open", "--priority", "0", "--no-lock"], more].concat();
-        let mut child = command(dir.path()).args(args).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let mut child = command(dir.path());
+        child.args(args).env("TMPDIR", dir.path().join("tmp")).stderr(Stdio::piped()).stdout(Stdio::null());
+        let mut child = child.spawn().unwrap();
         let mut err = BufReader::new(child.stderr.take().unwrap());
         let mut all = String::new();
         let address = loop {

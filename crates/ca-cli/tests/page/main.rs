@@ -6,6 +6,8 @@ mod host;
 #[cfg(unix)]
 mod midi_osc;
 mod moments;
+#[cfg(target_os = "linux")]
+mod opens;
 mod pictures;
 
 #[path = "../../../../tests/src/long_form.rs"]
@@ -194,6 +196,8 @@ mod in_real_time {
             until(name, || page.next("said")["text"].as_str().unwrap().contains(name));
         };
         finished("model-1.wav", &mut page);
+        // the file behind it has lost its name: a process that is killed leaves nothing
+        assert_eq!(std::fs::read_dir(host.path("tmp")).unwrap().count(), 0);
         page.done(&json!({"type": "save"}));
         finished("model-1.mcap", &mut page);
         page.done(&json!({"type": "save"}));
@@ -240,6 +244,19 @@ mod in_real_time {
     #[test]
     fn midi_and_osc_play_and_are_replayed_to_the_bit() {
         midi_osc::plays();
+    }
+
+    /// The browser is given a file, and other users see no token.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_browser_is_led_to_the_page_by_a_file() {
+        opens::by_a_file();
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_browser_that_cannot_read_the_file_is_not_opened() {
+        opens::not_in_a_sandbox();
     }
 
     #[test]

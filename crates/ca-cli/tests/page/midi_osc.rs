@@ -34,8 +34,11 @@ right = { from = "bob", gain = 200 }
 third = { from = "hammer", gain = 100 }
 "#;
 
+/// A model with devices is played only with the token.
+const TOKEN: &str = "0123456789abcdef";
+
 fn osc(addr: &str, args: Vec<OscType>) -> OscPacket {
-    OscPacket::Message(OscMessage { addr: addr.into(), args })
+    OscPacket::Message(OscMessage { addr: format!("/{TOKEN}{addr}"), args })
 }
 
 fn text(s: &str) -> OscType {
@@ -77,7 +80,11 @@ pub fn plays() {
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let line = Line(UdpSocket::bind("127.0.0.1:0").unwrap());
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-    let args = ["--log", "take.mcap", "--midi", pipe.to_str().unwrap(), "--osc", &port.to_string()];
+    let token = dir.path().join("token");
+    std::fs::write(&token, TOKEN).unwrap();
+    std::fs::set_permissions(&token, std::os::unix::fs::PermissionsExt::from_mode(0o600)).unwrap();
+    let [pipe_at, token, at] = [pipe.display().to_string(), token.display().to_string(), port.to_string()];
+    let args = ["--log", "take.mcap", "--midi", &pipe_at, "--osc", &at, "--osc-token", &token];
     let mut host = Host::play(KEYS, &args);
     line.0.connect(("127.0.0.1", port)).unwrap();
     line.0.set_read_timeout(Some(Duration::from_secs(60))).unwrap();

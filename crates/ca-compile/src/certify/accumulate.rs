@@ -5,6 +5,7 @@
 //! 4 goes by it, while rules about one contact go by T²/m itself.
 
 use crate::certify::negative::Negative;
+use crate::certify::reach::{Reached, reached};
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::vec::Vec;
@@ -56,8 +57,10 @@ impl Sums {
 pub struct Accumulated {
     /// of each MAT
     pub mats: Vec<Sums>,
-    /// of each LIA, at the worst corner of what may change
+    /// of each LIA, at the worst corner of what may change; of what hardens, where it is steepest within reach
     pub links: Vec<Bound>,
+    /// that place
+    pub reached: Vec<Option<Reached>>,
     /// springs between pairs of masses, by sign
     pub springs: Negative,
 }
@@ -67,8 +70,17 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let limit_ratio = net.limit_ratio();
     // what is left out does not move
     let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, limit_ratio) } else { Sums::default() };
-    let mut mats: Vec<Sums> = worst_mats(net).into_iter().zip(&net.alive).map(sums).collect();
-    let links = worst_bounds(net);
+    let worst = worst_mats(net);
+    let mut links = worst_bounds(net);
+    let reached = reached(net, &worst, &links);
+    for (b, r) in links.iter_mut().zip(&reached) {
+        if let Some(r) = r.filter(|_| !b.contact) {
+            let floor = b.k - b.loose;
+            let k = if b.hardens { b.k.max(r.k) } else { r.k };
+            *b = Bound { k, loose: k - floor, ..*b };
+        }
+    }
+    let mut mats: Vec<Sums> = worst.into_iter().zip(&net.alive).map(sums).collect();
     let mut springs = Negative::default();
     // where none is negative, nobody asks what covers it
     let negative = links.iter().any(|b| b.k < 0.0);
@@ -79,7 +91,7 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
             springs.add(i, j, b.k);
         }
     }
-    Accumulated { mats, links, springs }
+    Accumulated { mats, links, reached, springs }
 }
 
 fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
@@ -88,8 +100,7 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
         return;
     }
     let h = b.h();
-    // of a curve of friction the slope is one that it has somewhere
-    let sure = if b.curve { b.k } else { h };
+    let sure = b.certain();
     // ends that move: the row of the link at each of them holds so many entries
     let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
     let entries: f64 = l.all_ends().map(|e| if moving(&net.under(e)) { net.reach(e) } else { 0.0 }).sum();

@@ -3,7 +3,7 @@
 use crate::certify::accumulate::Accumulated;
 use crate::certify::bound::Bounds;
 use crate::certify::exact::{self, Exact};
-use crate::certify::rules::rubs;
+use crate::certify::rules::{creeps, rubs};
 use crate::net::{LiaNode, Pruned};
 use crate::options::Effort;
 use ca_core::law::Bound;
@@ -45,7 +45,7 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
         return Level::NotProven;
     }
     let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.is_staged());
-    if !explicit.clone().all(|(_, b)| b.linear) {
+    if !explicit.clone().all(|(_, b)| b.linear) || net.lias.iter().any(|l| creeps(net, l)) {
         Level::RuleOfThumb
     } else if explicit.any(|(l, _)| l.is_radial()) {
         Level::Linearised

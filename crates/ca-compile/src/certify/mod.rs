@@ -17,6 +17,7 @@ mod decide;
 mod exact;
 mod keys;
 mod negative;
+mod reach;
 mod report;
 mod rigid;
 mod ripple;

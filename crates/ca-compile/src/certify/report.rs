@@ -5,19 +5,21 @@ use crate::certify::blame::{span, unstable};
 use crate::certify::bound::Bounds;
 use crate::certify::decide::Decision;
 use crate::certify::exact::Exact;
-use crate::certify::rules::{contacts, devices, frictions};
+use crate::certify::rules::{Decides, at, contacts, devices, frictions, hardening, methods};
 use crate::certify::{keys, rigid, ripple};
+use crate::findings::round_up;
 use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
+use ca_core::kind::Unit;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::{Certificate, FactorVerdict, Level};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
-use ca_model::quantity::Plain;
+use ca_model::quantity::{self, Plain};
 
 /// Writes down what was decided; `asked` where the largest eigenvalue is wanted.
 pub fn report(
@@ -48,20 +50,26 @@ pub fn report(
             Some(e) if decided.verdict == FactorVerdict::Unstable => e.blame(model, net, &sums.links, i, &cert),
             _ => unstable(model, net, sums, i),
         }),
-        (Level::NotProven, _) => diags.push(not_proven(model, net, bounds, &cert)),
+        (Level::NotProven, _) => diags.push(not_proven(model, net, sums, bounds, &cert)),
         _ => {}
     }
     cert.ripple = ripple::ripple(net, exact, &cert);
     rigid::rigid(model, net, diags);
     let held = |l: &LiaNode, b: &Bound| exact.filter(|_| decided.few)?.mobility(net, l, b);
-    contacts(model, net, sums, held, &mut cert, diags);
-    frictions(model, net, sums, held, &mut cert, diags);
+    let mut decides = Decides::default();
+    contacts(model, net, sums, held, (&mut cert, &mut decides), diags);
+    frictions(model, net, sums, held, (&mut cert, &mut decides), diags);
+    hardening(net, sums, held, (&mut cert, &mut decides));
+    methods(model, net, sums, &mut decides, diags);
+    if cert.level == Level::RuleOfThumb {
+        cert.decides = decides.name();
+    }
     devices(model, net, &sums.links, diags);
     cert.keys = keys::keys(net, &sums.links);
     cert
 }
 
-fn not_proven(model: &Model, net: &Pruned, bounds: &Bounds, cert: &Certificate) -> Diag {
+fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, cert: &Certificate) -> Diag {
     let why = if bounds.covered {
         format!("the bounds allow up to {:.3}, the limit is 4", Plain(bounds.upper))
     } else {
@@ -70,6 +78,14 @@ fn not_proven(model: &Model, net: &Pruned, bounds: &Bounds, cert: &Certificate) 
     let mut d = Diag::warning("W107", format!("stability is not proven: {why}"));
     if let Some(i) = bounds.worst {
         d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
+        // the link there that weighs most by what it is not everywhere decides
+        let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
+        let loose = net.lias.iter().zip(&sums.links).zip(&sums.reached);
+        let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && !l.law.is_staged() && touches(l));
+        if let Some(((l, b), r)) = loose.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
+            let k = quantity::show(round_up(b.h()), Unit::STIFFNESS);
+            d = d.at(span(model, net, l.item), format!("decides: as steep as {k}{}", at(r.as_ref())));
+        }
     }
     let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
     d.help(format!("{help} `{}`, make it heavier, or raise the {} rate", cert.worst, net.clock()))

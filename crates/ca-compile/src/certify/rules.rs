@@ -1,70 +1,141 @@
-//! What no bound tells: contacts and device keys, judged by rule.
+//! Rules for contacts, friction, hardening springs and device keys, which no eigenvalue bounds.
 
 use crate::certify::accumulate::{Accumulated, Sums};
-use crate::certify::blame::span;
+use crate::certify::blame::{any, faster, span};
+use crate::certify::reach::{Cause, Reached};
 use crate::findings::{round_down, round_up};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
-use alloc::string::ToString;
-use ca_core::kind::Unit;
+use alloc::string::{String, ToString};
+use ca_core::kind::{Type, Unit};
 use ca_core::law::Bound;
+use ca_core::method::friction::STEEPEST;
+use ca_core::numeric::wide;
+use ca_core::op::SolveStage;
 use ca_core::scene::certificate::Certificate;
+use ca_core::scene::growth::Growth;
 use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::rounded;
 use ca_model::{Model, quantity};
 
-/// Rules for contacts (docs/numerics.md §3.2): kT²/m ≤ 1 recommended, ≤ 2 at the most; of one that grows with a power of
-/// its depth, the depth at which its slope is so. The mobility is that of both ends with the links that hold them (`held`),
-/// where that is known.
+/// The link that decides a verdict by rule: that which uses the largest share of its limit.
+#[derive(Default)]
+pub struct Decides {
+    share: f64,
+    name: String,
+}
+
+impl Decides {
+    fn take(&mut self, l: &LiaNode, share: f64) {
+        if share > self.share || self.name.is_empty() {
+            *self = Decides { share, name: l.name.to_string() };
+        }
+    }
+
+    /// Its name; of links without a number the first.
+    pub fn name(self) -> String {
+        self.name
+    }
+}
+
+/// Rules for contacts (docs/numerics.md §3.2). A contact is unstable while it presses from T²k + 2Tz = 4 on; its slopes are the
+/// steepest within reach. kT²/m ≤ 1 is a rule of thumb. The certificate also has the depth at which a power law reaches it. `held` gives
+/// the mobility of both ends with the links that hold them, if it is known.
 pub fn contacts(
     model: &Model,
     net: &Pruned,
     sums: &Accumulated,
     held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
-    cert: &mut Certificate,
+    (cert, decides): (&mut Certificate, &mut Decides),
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links) {
+    for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         if b.active && reported.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
         let (q, p) = b.power;
-        if !b.contact || (b.k == 0.0 && q == 0.0) || l.law.is_staged() {
+        if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || l.law.is_staged() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
+        let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
+        let (a, closed) = (k * c, (k + 2.0 * z) * c);
+        decides.take(l, a.max(0.25 * closed));
+        cert.closed = cert.closed.max(closed);
+        if closed >= 4.0 && reported.insert(l.item) {
+            diags.push(
+                unstable_contact(net, l, [k, z, c], reached.as_ref()).at(span(model, net, l.item), "unstable contact"),
+            );
+        }
         if q * c > 0.0 {
             let depth = libm::pow(1.0 / (p * q * c), 1.0 / (p - 1.0));
             if depth.is_finite() && cert.depth.as_ref().is_none_or(|d| depth < d.1) {
                 cert.depth = Some((l.name.to_string(), depth));
             }
-            continue;
         }
-        let a = b.k * c;
         if a > cert.contact {
             cert.contact = a;
             cert.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
-            let safe = quantity::show(round_down(1.0 / c), Unit::STIFFNESS);
             let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
-            let d = Diag::warning(
-                "W104",
-                format!("contact `{}` {word}: kT²/m is {:.3}, stay below 1", l.name, quantity::Plain(a)),
-            );
+            let title =
+                format!("contact `{}` {word}: kT²/m is {:.3}{}", l.name, quantity::Plain(a), at(reached.as_ref()));
             let (lo, hi) = (0.12 * a, 1.9 - a);
-            let help = if hi > lo {
-                let z = |b: f64| quantity::show(round_down(b / (c / net.tick_dt)), Unit::VISCOSITY);
-                format!("use `k` up to {safe}, or viscosity `z` between {} and {}", z(lo), z(hi))
-            } else {
-                format!("use `k` up to {safe}, heavier masses, a higher {} rate", net.clock())
-            };
-            let stable = if l.kind.param("method").is_some() { ", or `method = \"stable\"`" } else { "" };
-            diags.push(d.at(span(model, net, l.item), "stiff contact").help(help + stable));
+            let z = |b: f64| quantity::show(round_down(b / (c / net.tick_dt)), Unit::VISCOSITY);
+            let viscous = format!("viscosity `z` between {} and {}", z(lo), z(hi));
+            let softer = format!("a smaller `k`, heavier masses, a higher {} rate", net.clock());
+            let ways = any(&[stable(l), &softer, if hi > lo { &viscous } else { "" }]);
+            let help = format!("use {ways}; no `k` is without growth: {}", Growth::near(a));
+            diags.push(Diag::warning("W104", title).at(span(model, net, l.item), "stiff contact").help(help));
         }
     }
+}
+
+/// The method that a contact may have instead.
+fn stable(l: &LiaNode) -> &'static str {
+    if l.kind.param("method").is_some() { "`method = \"stable\"`" } else { "" }
+}
+
+/// The place of the steepest slope, as the end of a sentence.
+pub fn at(reached: Option<&Reached>) -> String {
+    // within a nanometre it is at rest
+    let Some(r) = reached.filter(|r| r.far > 1e-9) else { return String::new() };
+    let far = quantity::show(rounded(r.far, 3), Unit::METRE);
+    match r.cause {
+        Cause::Energy => format!(" at {far}, to where the energy at load may take it"),
+        Cause::Stroke => format!(" at {far}, to where the stroke of its port takes it"),
+    }
+}
+
+/// A contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`; the numbers that would mend it.
+fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&Reached>) -> Diag {
+    let closed = (k + 2.0 * z) * c;
+    let title = format!(
+        "contact `{}` {} unstable while it presses: T²k/m + 2Tz/m is {:.3}, the limit is 4{}",
+        l.name,
+        if reached.is_some() { "may be" } else { "is" },
+        quantity::Plain(closed),
+        at(reached)
+    );
+    let (room, dt) = (4.0 / c, net.tick_dt);
+    let fix = if reached.is_some() {
+        format!("make it at most {} % as stiff", quantity::Plain(round_down(400.0 / closed)))
+    } else if k < room && z > 0.0 {
+        format!("keep `z` below {}", quantity::show(round_down(0.5 * (room - k) * dt), Unit::VISCOSITY))
+    } else if z == 0.0 {
+        format!("keep `k` below {}", quantity::show(round_down(room), Unit::STIFFNESS))
+    } else {
+        format!("make it at most {} % as stiff and viscous", quantity::Plain(round_down(400.0 / closed)))
+    };
+    let method = match stable(l) {
+        "" => String::new(),
+        method => format!("use {method}"),
+    };
+    Diag::warning("W117", title).help(any(&[&method, &fix, "use heavier masses", &faster(net, closed, z > 0.0)]))
 }
 
 /// Rule for friction that is no straight line, as of a bow (docs/numerics.md §3.5): slope·T/m up to 1.5, or what should
@@ -74,7 +145,7 @@ pub fn frictions(
     net: &Pruned,
     sums: &Accumulated,
     held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
-    cert: &mut Certificate,
+    (cert, decides): (&mut Certificate, &mut Decides),
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
@@ -82,6 +153,7 @@ pub fn frictions(
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
         cert.friction = cert.friction.max(steep);
+        decides.take(l, steep / 1.5);
         if steep > 1.5 && reported.insert(l.item) {
             let title = format!(
                 "`{}` is too steep to stick: slope·T/m is {:.3}, stay below 1.5",
@@ -89,12 +161,77 @@ pub fn frictions(
                 quantity::Plain(steep)
             );
             let less = quantity::Plain(round_up(steep / 1.5));
-            let other = if l.kind.param("method").is_some() { ", or `method = \"newton\"`" } else { "" };
+            let method = if steep < wide(STEEPEST) { "newton" } else { "secant" };
+            let other =
+                if l.kind.param("method").is_some() { format!(", or `method = \"{method}\"`") } else { String::new() };
             let help = format!(
                 "a {less} times smaller force or larger speed of stick, heavier masses, or a higher {} rate{other}",
                 net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
+        }
+    }
+}
+
+/// Springs that harden: finds the deciding one, and lists those with an unknown largest elongation.
+pub fn hardening(
+    net: &Pruned,
+    sums: &Accumulated,
+    held: impl Fn(&LiaNode, &Bound) -> Option<f64>,
+    (cert, decides): (&mut Certificate, &mut Decides),
+) {
+    let mut open = BTreeSet::new();
+    for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
+        if b.linear || b.contact || b.curve || l.law.is_staged() {
+            continue;
+        }
+        let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
+        decides.take(l, 0.25 * b.h() * c);
+        if b.hardens && reached.is_none() && open.insert(l.item) {
+            cert.open.push(net.items[l.item as usize].name.to_string());
+        }
+    }
+}
+
+/// The word of the method that was written for a link.
+fn method(net: &Pruned, l: &LiaNode) -> &'static str {
+    let Some(at) = l.kind.param("method") else { return "" };
+    let Type::Choice(words) = l.kind.params[at].ty else { return "" };
+    let value = net.values(l.item, &l.values).get(at).copied().flatten();
+    value.and_then(|v| words.get(v as usize)).copied().unwrap_or_default()
+}
+
+/// True of set-valued friction that is solved together with others, where it creeps.
+pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
+    matches!(l.law.stage, SolveStage::Coupled(_)) && method(net, l) == "set-valued"
+}
+
+/// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
+pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
+    let mut reported = BTreeSet::new();
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.is_staged()) {
+        let together = matches!(l.law.stage, SolveStage::Coupled(_));
+        let d = if creeps(net, l) {
+            decides.take(l, 0.0);
+            Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))
+                .at(span(model, net, l.item), "solved together with other links, or in space")
+                .help("below its static force it moves by up to `v0`, 0.1 mm/s if left out: write a smaller `v0`, or give each mass one such link on a line")
+        } else if method(net, l) == "newton" && (together || b.z * mobility(net, l, &sums.mats) >= wide(STEEPEST)) {
+            let why = if together {
+                "it is solved together with other links, or in space".into()
+            } else {
+                let steep = quantity::Plain(b.z * mobility(net, l, &sums.mats));
+                format!("slope·T/m is {steep:.3}, Newton's method serves below 4")
+            };
+            let help = "the secant is of first order: a higher sound rate or a gentler slope makes it more exact";
+            Diag::note("N206", format!("`{}` goes by the secant: {why}", l.name))
+                .at(span(model, net, l.item), "not by Newton's method")
+                .help(help)
+        } else {
+            continue;
+        };
+        if reported.insert(l.item) {
+            diags.push(d);
         }
     }
 }
@@ -106,7 +243,15 @@ pub fn rubs(b: &Bound) -> bool {
 
 /// T²/m of both ends of a contact together; of a set, of its most mobile pair.
 fn mobility(net: &Pruned, l: &LiaNode, mats: &[Sums]) -> f64 {
-    let end = |e: End| net.under(e).iter().map(|m| mats[*m as usize].c).fold(0.0, f64::max);
+    let end = |e: End| {
+        let all = net.under(e).into_iter().map(|m| mats[m as usize].c);
+        let End::Point(p) = e else { return all.fold(0.0, f64::max) };
+        // a place among modes is moved by each of them, by its share
+        match &net.points[p as usize].shape {
+            Some((shares, _)) => all.zip(shares).map(|(c, w)| w * w * c).sum(),
+            None => all.fold(0.0, f64::max),
+        }
+    };
     let Some(sets) = &l.sets else { return l.all_ends().map(end).sum() };
     // the largest and the next
     let two = |set: &[u32]| {

@@ -1,7 +1,8 @@
 //! Hands: what moves the ports at the beginning, and which of them one hand moves at once.
 //!
 //! Decides that a port which its gesture takes away at load is a warning where something is tied to it: the link then holds an
-//! energy that nobody gave it, and the first thing heard is a blow. Ports on one degree of freedom are legitimate, so a note.
+//! energy that nobody gave it, and the first thing heard is a blow. Ports on one degree of freedom are legitimate, so a note. Ports
+//! that follow different notes or controllers are not noted: MIDI plays such a model, and `dof` is the default of a part.
 
 use crate::net::{End, MatRole, Wired};
 use alloc::collections::BTreeMap;
@@ -9,7 +10,7 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::scene::InputRole;
+use ca_core::scene::{Input, InputRole};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, Value, quantity};
 
@@ -61,24 +62,30 @@ fn jumps(model: &Model, net: &Wired, diags: &mut Diags) {
 }
 
 fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
-    let mut by: BTreeMap<(&str, u32), Vec<&str>> = BTreeMap::new();
+    let mut by: BTreeMap<(&str, u32), Vec<&Input>> = BTreeMap::new();
     for i in &net.resolved.inputs {
         if let Some((device, dof)) = &i.device {
-            by.entry((device, *dof)).or_default().push(&i.name);
+            by.entry((device, *dof)).or_default().push(i);
         }
     }
-    for ((device, dof), ports) in by.into_iter().filter(|p| p.1.len() > 1) {
-        let all: Vec<String> = ports.iter().take(3).map(|p| format!("`{p}`")).collect();
+    for ((device, dof), ports) in by.into_iter().filter(|p| p.1.len() > 1 && !are_distinct(&p.1)) {
+        let all: Vec<String> = ports.iter().take(3).map(|p| format!("`{}`", p.name)).collect();
         let more = if ports.len() > 3 { format!(" and {} more", ports.len() - 3) } else { String::new() };
         let title = format!(
             "degree of freedom {dof} of `{device}` moves {} ports at once: {}{more}",
             ports.len(),
             all.join(", ")
         );
-        let item = model.items.iter().find(|i| i.name == ports[1]);
+        let item = model.items.iter().find(|i| i.name == ports[1].name);
         let entry = item.and_then(|i| i.args.iter().find(|e| e.key == "dof"));
         let span = entry.map(|e| e.span).or(item.map(|i| i.name_span)).unwrap_or(Span::NONE);
         let help = "nothing is amiss if one key is to move them all; else give each a `dof` of its own, of instances by a list in `with`: `dof = [0, 1, …]`";
         diags.push(Diag::note("N204", title).at(span, "the same").help(help));
     }
+}
+
+/// True if each of these ports follows MIDI, and no two of them the same.
+fn are_distinct(ports: &[&Input]) -> bool {
+    let by = |i: &&Input| i.midi.map(|m| (m.source, m.channel));
+    ports.iter().enumerate().all(|(k, i)| by(i).is_some() && !ports[..k].iter().any(|other| by(other) == by(i)))
 }

@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use ca_core::numeric::{Real, real};
 use ca_core::op::Op;
 use ca_core::op::layout::Layout;
-use ca_core::scene::{Order, start};
+use ca_core::scene::{Order, Start, start};
 use ca_core::state::State;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
@@ -44,7 +44,7 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
 }
 
 /// The state at the first sample, from what is written for the two before.
-pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
+pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> State {
     let n = layout.n_mat;
     let mut s = written;
     let delayed: Vec<Real> =
@@ -60,7 +60,7 @@ pub fn first(layout: &Layout, forces: &[Op], written: State) -> State {
         }
         s.f[i] = real(0.0);
     }
-    let mut s = start(layout, forces, Order::Exact, s);
+    let mut s = start(layout, forces, Start { order: Order::Exact, ..begin }, s);
     let forces_at = |speed: &dyn Fn(usize) -> Real| {
         let mut trial = s.clone();
         for i in 0..n {

@@ -30,7 +30,7 @@ use ca_core::numeric::{Aligned, Real, VerletList, lift, real};
 use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{InputRole, Location, Order, Scene, Symbols, start};
+use ca_core::scene::{InputRole, Location, Order, Scene, Start, Symbols, start};
 use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -191,11 +191,12 @@ pub fn schedule(
     });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
-    let begin = match () {
+    let order = match () {
         () if net.is_composed() => Order::Exact,
         () if implicit::is_fourth(net) => Order::Fourth,
         () => Order::Second,
     };
+    let begin = Start { order, sticks: options.arithmetic.is_none_or(|a| a >= 5) };
     let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
     loaded.written = written.orders(loaded.coef.len());
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
@@ -209,7 +210,7 @@ pub fn schedule(
     let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
     let before = ahead.then(|| (begin, loaded.clone()));
     let mut initial =
-        if as_milib { milib::first(&layout, &listed, loaded) } else { start(&layout, &listed, begin, loaded) };
+        if as_milib { milib::first(&layout, &listed, begin, loaded) } else { start(&layout, &listed, begin, loaded) };
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
     live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);

@@ -1,6 +1,7 @@
 //! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
 //! Links wait for all names to be known (`wire.rs`).
 
+use crate::analysis::modes;
 use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::port::port;
@@ -14,9 +15,10 @@ use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::Catalog;
-use ca_core::kind::builder::{Arg, Args, Builder, Problem};
+use ca_core::kind::builder::{Arg, Args, Builder, Generator, Problem};
 use ca_core::kind::name::Name;
 use ca_core::kind::{Kind, Need, OneOf, Param, Role, Type, Unit};
+use ca_core::tuning::Scheme;
 use ca_model::LARGEST;
 use ca_model::diag::{Diag, Diags};
 use ca_model::names::all_differ;
@@ -321,7 +323,11 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
                     expand(net, id, &built, (dim, rest), group);
                 }
                 Err(p) => {
-                    let p = if net.medium_of(item.group).slow { at_gesture_rate(&p) } else { p };
+                    let p = if net.medium_of(item.group).slow {
+                        at_gesture_rate(&p)
+                    } else {
+                        with_other_ways(p, g, &args, net.oversample)
+                    };
                     v.diags.push(does_not_fit(&item.name, source, p));
                     net.items.push(item);
                 }
@@ -329,6 +335,25 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
         }
         Role::Lia(_) => net.items.push(item),
     }
+}
+
+/// The same with what else would let a generator have as many masses as it is given: several ticks in a sample, or its exact
+/// modes. Both are tried.
+fn with_other_ways(mut p: Problem, g: &Generator, args: &Args<'_>, oversample: u32) -> Problem {
+    let counts = args.params.iter().any(|q| q.name == p.param && matches!(q.ty, Type::Count { .. }));
+    let fits = |args: Args<'_>| (g.derive)(&args, &mut Vec::new()).is_ok();
+    if !counts || fits(Args { ..*args }) {
+        return p;
+    }
+    let at = |ticks: u32| Args { tick_dt: args.tick_dt * f64::from(oversample) / f64::from(ticks), ..*args };
+    if let Some(ticks) = (oversample + 1..=rates::FINEST).find(|ticks| fits(at(*ticks))) {
+        p.help = format!("{}, or write `oversample = {ticks}` in `[rate]`", p.help);
+    }
+    let few = requirements::modules(args) <= modes::LARGEST;
+    if args.dim == 1 && few && fits(Args { scheme: Scheme::Modal, ..*args }) {
+        p.help.push_str(", or `method = \"modal\"` in its group or `[model]`");
+    }
+    p
 }
 
 /// The same of a group whose tick is a gesture frame.

@@ -1,6 +1,7 @@
 //! The network between model and scene: its records, and the [states](stage) it goes through.
 
 pub mod disjoint;
+pub mod elongation;
 pub mod families;
 #[cfg(feature = "analysis")]
 pub mod linear;

@@ -177,9 +177,9 @@ pub static TGR: Kind = Kind {
         Param::new("device", Type::Text, Need::Optional, "name of the device"),
         Param::new(
             "dof",
-            Type::Counts { min: 0, max: 31 },
+            Type::Counts { min: 0, max: 127 },
             Need::Default(0.0),
-            "degree of freedom of the device; in space a list, for x, y and z in this order: axes without one are fixed",
+            "degree of freedom of the device, which moves at most 32; in space a list, for x, y and z in this order: axes without one are fixed",
         ),
         X,
         MIDI,

@@ -23,8 +23,11 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     Law {
         code,
         mem: MEM,
-        // what is at rest at load holds
-        start: |_, _, mem| mem.fill(real(0.0)),
+        // what stands still at load sticks
+        start: |_, [_, w], mem| {
+            mem[0] = real(if w == 0.0 { 1.0 } else { 0.0 });
+            mem[1] = real(0.0);
+        },
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         bound: |_, _| Bound { curve: true, ..Bound::default() },
         kernel: |_| rub,

@@ -28,7 +28,7 @@ use crate::state::active_contacts::ActiveContact;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (docs/numerics.md §3.5).
-const STEEPEST: Real = real(4.0);
+pub const STEEPEST: Real = real(4.0);
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {

@@ -13,7 +13,7 @@
 //! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
 pub mod coulomb;
-pub(crate) mod friction;
+pub mod friction;
 pub(crate) mod gradient;
 pub mod implicit;
 pub mod modes;

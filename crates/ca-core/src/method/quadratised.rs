@@ -49,7 +49,7 @@ const NOTHING: Real = real(if SINGLE { 1e-35 } else { 1e-200 });
 pub const fn law<S: Spring>(spring: Law) -> Law {
     Law {
         mem: 2,
-        start: |c, e, mem| {
+        start: |c, [e, _], mem| {
             let b = Contact::<S>::of(c);
             mem[0] = sqrt(2.0 * b.potential(b.penetration(e)));
             mem[1] = real(0.0);

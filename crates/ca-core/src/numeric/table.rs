@@ -128,6 +128,16 @@ impl Table {
         self.slopes
     }
 
+    /// The same of the segments that lie between `from` and `to`, in part or as a whole; 0 beyond the ends.
+    pub fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
+        let within = |i: &usize| wide(self.x[*i]) < to && wide(self.x[*i + 1]) > from;
+        let beyond = from < wide(self.x[0]) || to > wide(self.x[self.x.len() - 1]);
+        let first = if beyond { (0.0, 0.0) } else { (f64::MIN, f64::MAX) };
+        let all = (0..self.x.len() - 1).filter(within).map(|i| wide(self.rise(i)));
+        let (hi, lo) = all.fold(first, |(hi, lo), s| (s.max(hi), s.min(lo)));
+        if hi < lo { (0.0, 0.0) } else { (hi, lo) }
+    }
+
     /// True where y has the sign of x everywhere: as friction it only takes energy.
     pub fn resists(&self) -> bool {
         self.x.iter().zip(&self.y).all(|(x, y)| x * y >= 0.0) && self.at(real(0.0)) == 0.0

@@ -210,6 +210,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         s.near = near;
         l.h = l.h0;
         l.peak = bare(l.h0).abs().max(bare(l.kinetic));
+        l.received = l.peak;
         s.ledger = Some(l);
         return;
     }
@@ -257,7 +258,10 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     l.worst = l.worst.max(bare(h - before - work + lost - of_links.error).abs());
     l.heat += bare(lost).abs();
     // what is in motion may come from a potential that is as negative
-    l.peak = l.peak.max(bare(h).abs().max(bare(kinetic)) + l.heat);
+    let all = bare(h).abs().max(bare(kinetic)) + l.heat;
+    l.peak = l.peak.max(all);
+    l.made += bare(of_links.error);
+    l.received = l.received.max(all - l.made - bare(l.border));
     s.near = near;
     s.ledger = Some(l);
 }

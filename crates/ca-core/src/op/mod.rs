@@ -5,7 +5,7 @@
 //! other crates bring passes of their own (LPR), and rather than a boxed trait object, because the record is then plain
 //! data that `ca check --schedule` can print.
 
-use crate::law::{Bound, Force, Idle};
+use crate::law::{Bound, Force, Idle, Steepest};
 use crate::numeric::{Real, Table};
 use crate::state::State;
 
@@ -154,7 +154,7 @@ pub struct Law {
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
     pub load: fn(p: &[Option<f64>], tick_dt: f64, out: &mut [f64]),
     /// see [`Phi::start`](crate::law::Phi::start)
-    pub start: fn(c: &[Real], e: Real, mem: &mut [Real]),
+    pub start: fn(c: &[Real], at: [Real; 2], mem: &mut [Real]),
     /// see [`Phi::force`](crate::law::Phi::force)
     pub force: Force,
     /// what it stores and loses
@@ -163,6 +163,8 @@ pub struct Law {
     pub idle: Idle,
     /// see [`Phi::bound`](crate::law::Phi::bound)
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
+    /// see [`Phi::steepest`](crate::law::Phi::steepest)
+    pub steepest: Steepest,
     /// the pass for one form of the law
     pub kernel: fn(Form) -> Kernel,
     /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one

@@ -67,4 +67,8 @@ impl Phi<3, 0> for Cub {
     fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {
         Bound { k, z, hardens: true, ..Bound::default() }
     }
+    fn steepest(&[k, k3, z]: &[f64; 3], _: &[Table], [from, to]: [f64; 2]) -> [f64; 2] {
+        let far = to.max(-from);
+        [k + 3.0 * k3 * far * far, z]
+    }
 }

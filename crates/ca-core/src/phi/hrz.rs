@@ -2,7 +2,7 @@
 //!
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p max(0, 1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
-//! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point. "stable" and "stable3d" are passive
+//! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point, unstable there from 4 on with its losses. "stable" and "stable3d" are passive
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::P;
@@ -107,5 +107,9 @@ impl Phi<5, 0> for Hrz {
         let linear = n == 4.0;
         let (k, power) = if linear { (k, (0.0, 0.0)) } else { (0.0, (k, 0.25 * n)) };
         Bound { k, power, contact: true, hardens: !linear || h != 0.0, ..Bound::default() }
+    }
+    fn steepest(&[k, n, h, d, side]: &[f64; 5], _: &[Table], [from, to]: [f64; 2]) -> [f64; 2] {
+        let (eta, p) = (if side > 0.0 { d - from } else { to - d }.max(0.0), 0.25 * n);
+        [k * p * libm::pow(eta, p - 1.0), k * h * libm::pow(eta, p)]
     }
 }

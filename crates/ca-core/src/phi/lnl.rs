@@ -2,7 +2,7 @@
 //!
 //! Equation: F = table(e), or F = table(de/dt), or their sum. Points [[x, F], …], straight between, held outside.
 //! Parameters: `spring` \[m, N\], `friction` \[m/s, N\]. Source: ICMC 2013 (LNL, look-up tables).
-//! Stability: rule of thumb on the steepest segment; a friction table is passive where F has the sign of the speed.
+//! Stability: rule of thumb on the steepest segment that is reached; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
 use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
@@ -83,7 +83,12 @@ impl Phi<1, 0> for TableSpring {
     }
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
         let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
-        Bound { k: hi.max(-lo), active: lo < 0.0, ..Bound::default() }
+        let k = hi.max(-lo);
+        Bound { k, loose: k, active: lo < 0.0, ..Bound::default() }
+    }
+    fn steepest(&[n]: &[f64; 1], tables: &[Table], between: [f64; 2]) -> [f64; 2] {
+        let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), |t| t.slopes_between(between));
+        [hi.max(-lo), 0.0]
     }
 }
 
@@ -140,6 +145,10 @@ impl Phi<3, 0> for Lnl {
     }
     fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {
         let (s, f) = (TableSpring::bound(&[a], tables), TableFriction::bound(&[b, fs], tables));
-        Bound { k: s.k, z: f.z, curve: true, active: s.active || f.active, ..Bound::default() }
+        Bound { k: s.k, loose: s.loose, z: f.z, curve: true, active: s.active || f.active, ..Bound::default() }
+    }
+    fn steepest(&[a, b, fs]: &[f64; 3], tables: &[Table], between: [f64; 2]) -> [f64; 2] {
+        let [k, _] = TableSpring::steepest(&[a], tables, between);
+        [k, TableFriction::bound(&[b, fs], tables).z]
     }
 }

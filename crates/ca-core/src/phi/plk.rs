@@ -3,7 +3,7 @@
 //! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. One-sided, it takes hold
 //! only when e rises through 0 (up) or falls (down), and lets go when e comes back to 0. Parameters:
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
-//! stored at release is entered as lost. Stability: as REF while engaged. Test: `tests/suite/laws/pluck.rs`.
+//! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
 use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};

@@ -73,4 +73,8 @@ impl Phi<4, 0> for Pow {
         let linear = n == 4.0;
         Bound { k: if linear { k + q } else { k }, z, hardens: !linear, ..Bound::default() }
     }
+    fn steepest(&[k, q, n, z]: &[f64; 4], _: &[Table], [from, to]: [f64; 2]) -> [f64; 2] {
+        let p = 0.25 * n;
+        [k + p * q * libm::pow(to.max(-from), p - 1.0), z]
+    }
 }

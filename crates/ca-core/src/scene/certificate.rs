@@ -6,13 +6,14 @@ use alloc::vec::Vec;
 /// How sure the statement is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
-    /// every link is linear and the bound is below the limit: passive by theorem at every setting; changing a parameter
-    /// or moving a point does work
+    /// every link is linear or of a method that keeps energy, and the bound is below the limit: passive by theorem at every setting;
+    /// changing a parameter or moving a point does work. A contact or a friction at a moving port may still make some
     Proven,
     /// as `Proven` for small motions about the pose at load; distances in space keep energy to [`Certificate::ripple`],
     /// without drift
     Linearised,
-    /// the linear links are proven; contacts and non-linear links obey a rule of thumb
+    /// the linear links are proven; rules of thumb judge contacts and non-linear links, and set-valued friction of shared masses
+    /// creeps
     RuleOfThumb,
     /// neither the bounds nor, where there was one, a factorisation settles it; or groups at the gesture rate have a compensated
     /// border
@@ -80,10 +81,18 @@ pub struct Certificate {
     pub ripple: Option<f64>,
     /// the module nearest to the limit; empty where nothing has one
     pub worst: String,
-    /// largest contact stiffness ratio kT²/m; recommended up to 1
+    /// largest contact stiffness ratio kT²/m; an explicit contact makes energy at any, see
+    /// [`Growth::near`](crate::scene::growth::Growth::near)
     pub contact: f64,
     /// the contact it belongs to
     pub stiffest: String,
+    /// largest T²k + 2Tz against the masses of a contact while it presses, where it is steepest within reach; at 4 and above it is
+    /// unstable by itself
+    pub closed: f64,
+    /// of what is judged by rule, the link that uses the largest share of its limit
+    pub decides: String,
+    /// hardening links with an unknown largest elongation: the certificate judges them at rest
+    pub open: Vec<String>,
     /// of contacts by a power of their depth, p q η^(p−1) T²/m reaches 1 in this one first, at this depth η \[m\]
     pub depth: Option<(String, f64)>,
     /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
@@ -100,6 +109,7 @@ impl Certificate {
     #[must_use]
     pub fn beside(self, slow: Certificate, compensated: bool) -> Certificate {
         let nearer = slow.bound > self.bound;
+        let closer = slow.margin() < self.margin();
         let largest = match (self.largest, slow.largest) {
             (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
             (a, b) => a.or(b),
@@ -109,6 +119,8 @@ impl Certificate {
             (a, b) => a.or(b),
         };
         let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
+        let decides = if closer || self.decides.is_empty() { slow.decides } else { self.decides };
+        let open = self.open.into_iter().chain(slow.open).collect();
         Certificate {
             level: self.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
             bound: self.bound.max(slow.bound),
@@ -120,6 +132,9 @@ impl Certificate {
             worst: if nearer { slow.worst } else { self.worst },
             contact: self.contact.max(slow.contact),
             stiffest,
+            closed: self.closed.max(slow.closed),
+            decides,
+            open,
             depth,
             friction: self.friction.max(slow.friction),
             ..self
@@ -127,11 +142,12 @@ impl Certificate {
     }
 
     /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
-    /// the rules leave to the stiffest contact (up to 1) and the steepest friction (up to 1.5), where that is less.
+    /// the rules leave to the stiffest contact (up to 1, and 4 with its viscosity) and the steepest friction (up to 1.5), where
+    /// that is less.
     /// Infinite where nothing has a limit: without links, or with methods that have none.
     pub fn margin(&self) -> f64 {
         let linear = 4.0 / self.largest.map_or(self.bound, |l| l.1).max(0.0);
         let room = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };
-        linear.min(room(1.0, self.contact)).min(room(1.5, self.friction))
+        linear.min(room(1.0, self.contact)).min(room(4.0, self.closed)).min(room(1.5, self.friction))
     }
 }

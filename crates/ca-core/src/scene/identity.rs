@@ -19,8 +19,9 @@ use core::hash::Hasher as _;
 /// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
 /// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
-/// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J.
-pub const ARITHMETIC: u32 = 4;
+/// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J; 5: set-valued friction sticks from the first tick on where
+/// nothing moves at load. Takes of before 5 are begun as they were, and so play the same bits.
+pub const ARITHMETIC: u32 = 5;
 
 impl Scene {
     /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].

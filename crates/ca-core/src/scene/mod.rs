@@ -3,6 +3,7 @@
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
 pub mod certificate;
+pub mod growth;
 mod halves;
 mod identity;
 #[cfg(not(single))]
@@ -24,7 +25,7 @@ use alloc::vec::Vec;
 use certificate::Certificate;
 pub use halves::{Half, Halves};
 pub use identity::ARITHMETIC;
-pub use start::{Order, start};
+pub use start::{Order, Start, start};
 pub use symbols::{Location, Symbol, Symbols};
 
 /// What stands in a place of [`State::input`].
@@ -102,7 +103,7 @@ pub struct Scene {
     /// the state at load
     pub initial: State,
     /// how it was made and of what, where ports are part of the start
-    pub before: Option<(Order, State)>,
+    pub before: Option<(Start, State)>,
 }
 
 impl Scene {
@@ -123,14 +124,14 @@ impl Scene {
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State {
-        let Some((order, before)) = &self.before else { return self.state() };
+        let Some((begin, before)) = &self.before else { return self.state() };
         let mut s = before.clone();
         for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
             s.x[p.mat as usize] = inner(x - p.rest);
             s.d[p.mat as usize] = real(d);
         }
-        let mut s = start(&self.layout, &self.forces, *order, s);
+        let mut s = start(&self.layout, &self.forces, *begin, s);
         s.scene = self.initial.scene;
         s
     }

@@ -19,22 +19,34 @@ pub enum Order {
     Exact,
 }
 
+/// The rules of a start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// the order of the first tick
+    pub order: Order,
+    /// whether friction that sticks holds what stands still at load; before arithmetic 5 it began as sliding
+    pub sticks: bool,
+}
+
 /// The start: x stays, and d, which is v T, becomes x₀ − x₋₁ of a motion that has this place and speed at load.
 ///
 /// Decides for what the scheme itself makes of the forces, implicit parts included: from rest the tick before is then the
 /// mirror of the tick after, whatever the order.
-pub fn start(layout: &Layout, forces: &[Op], order: Order, mut s: State) -> State {
+pub fn start(layout: &Layout, forces: &[Op], Start { order, sticks }: Start, mut s: State) -> State {
     let n = layout.n_mat;
     let exact = order == Order::Exact;
     let memory = |s: &mut State| {
         for op in forces {
             let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
             for i in 0..op.n {
-                let measured = measure::ports(layout, &op.ports, op.first, i)
-                    .map(|(measure, ends, reach)| measure::measure(measure, &s.x, &s.d, ends, &reach).e);
-                let e = layout.e0[op.first + i] + measured.sum::<Real>();
+                // of what began as sliding the ends are taken to move
+                let (mut e, mut w) = (layout.e0[op.first + i], real(if sticks { 0.0 } else { 1.0 }));
+                for (measure, ends, reach) in measure::ports(layout, &op.ports, op.first, i) {
+                    let measured = measure::measure(measure, &s.x, &s.d, ends, &reach);
+                    (e, w) = (e + measured.e, w + measured.w);
+                }
                 let c: Vec<Real> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
-                (law.start)(&c, e, &mut s.mem[op.mem + i * law.mem..][..law.mem]);
+                (law.start)(&c, [e, w], &mut s.mem[op.mem + i * law.mem..][..law.mem]);
             }
         }
     };

@@ -2,7 +2,7 @@
 //!
 //! Decides that accounts are numbers beside the tick, [`Outer`]: `f64` in both precisions, and with their derivatives in the build
 //! of dual numbers, whose [`Ledger::balance`] so has those of each sum (docs/numerics.md §9). What only measures how large or how
-//! wrong accounts are (`peak`, `worst`) is plain, and so is what a hand gives, which has no derivatives.
+//! wrong accounts are (`peak`, `received`, `worst`) is plain, and so is what a hand gives, which has no derivatives.
 
 use crate::numeric::{Outer, Real, bare, real};
 use alloc::boxed::Box;
@@ -41,6 +41,8 @@ pub struct Ledger {
     pub kinetic: Outer,
     /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
     pub peak: f64,
+    /// the same less the energy made by the scheme until then: the most that load, ports, changes and weight had given
+    pub received: f64,
     /// heat of MATs with dampers of their own, and of the ends of waveguides
     pub lost_mats: Outer,
     /// heat of each link (n_lia)
@@ -69,6 +71,8 @@ pub struct Ledger {
     pub(crate) d0: Vec<Real>,
     /// heat of everything so far, kept apart so that no tick sums over all links again
     pub(crate) heat: f64,
+    /// error of the scheme so far, kept apart for the same reason
+    pub(crate) made: f64,
     /// force on position and device ports, force given by force ports (ports)
     pub(crate) port: Vec<Outer>,
     /// energy stored by each link at the last tick of the ledger (n_lia)
@@ -135,6 +139,8 @@ pub struct Balance {
     pub residual: Outer,
     /// scale of the residual \[J\]
     pub peak: f64,
+    /// most energy received, see [`Ledger::received`] \[J\]
+    pub received: f64,
 }
 
 impl Ledger {
@@ -154,6 +160,7 @@ impl Ledger {
             changed: self.changed + slow.changed,
             residual: residual + slow.residual,
             peak: self.peak + slow.peak,
+            received: self.received + slow.received,
         }
     }
 

@@ -17,7 +17,7 @@ use core::hash::Hasher as _;
 /// The first bytes of a snapshot.
 const MAGIC: &[u8; 8] = b"ca state";
 /// The order of its numbers.
-pub const SNAPSHOT_VERSION: u64 = 1;
+pub const SNAPSHOT_VERSION: u64 = 2;
 /// Bytes before the numbers: what it is, the version, the identity of the scene.
 const HEAD: usize = 24;
 /// Bytes behind them: FNV-1a of all before.
@@ -222,6 +222,7 @@ impl Ledger {
             h,
             kinetic,
             peak,
+            received,
             lost_mats,
             lost,
             scheme_error,
@@ -236,6 +237,7 @@ impl Ledger {
             worst,
             d0,
             heat,
+            made,
             port,
             stored,
             points,
@@ -252,6 +254,7 @@ impl Ledger {
             h,
             kinetic,
             peak,
+            received,
             lost_mats,
             pointer,
             crossed,
@@ -260,13 +263,14 @@ impl Ledger {
             changed,
             worst,
             heat,
+            made,
             stored_mats,
         ]);
         for all in [lost, scheme_error, work, port, stored, stored_batches, mass] {
             w.doubles(all);
         }
-        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak } = slow;
-        w.each_of([h0, h, lost, scheme_error, work, changed, residual, peak]);
+        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received } = slow;
+        w.each_of([h0, h, lost, scheme_error, work, changed, residual, peak, received]);
         for Exchange { received, given, hand, last, held, sum } in hands {
             w.each_of([received, given, hand, last, held, sum]);
         }

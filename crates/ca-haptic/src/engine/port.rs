@@ -69,6 +69,7 @@ impl Port {
     pub fn new(scene: &Scene, setup: Setup) -> Port {
         let frame_dt = f64::from(scene.ratio) * scene.sample_dt;
         let Setup { device, profile, calibration, gains } = setup;
+        let n = profile.dof as usize;
         let mut links = Vec::new();
         for (border, p) in scene.tgr.iter().enumerate() {
             let input = p.input as usize;
@@ -78,12 +79,12 @@ impl Port {
             }
             if let Some((_, dof)) = i.device.as_ref().filter(|d| d.0 == device) {
                 let dof = *dof as usize;
-                if dof < DOF {
+                // others are moved by MIDI and gestures alone
+                if dof < n.min(DOF) {
                     links.push(Link { dof, input, border, gains: gains.get(dof).copied().unwrap_or_default() });
                 }
             }
         }
-        let n = profile.dof as usize;
         let mut out = ForceFrame::new(&device, n);
         out.ttl_us = (profile.guard.ttl * 1e6) as u32;
         out.calibration = calibration.id();

@@ -39,6 +39,8 @@ pub struct DeviceClient {
     says: Publisher<Ipc, About, ()>,
     bell: Listener<Ipc>,
     _node: Node<Ipc>,
+    /// protects the prefix
+    _site: Site,
 }
 
 impl DeviceClient {
@@ -75,6 +77,7 @@ impl DeviceClient {
             says,
             bell,
             _node: node,
+            _site: site.clone(),
         };
         client.tell(now_ns())?;
         Ok(client)

@@ -1,33 +1,31 @@
 //! What people ask of a running server: parameters, arming, status.
 //!
-//! Decides on JSON texts over a request and response service of the same place, apart from the frames: whoever can reach
-//! the devices can reach this, nobody else, and a person can read what is said. One server a place. All values of one
-//! request land in one tick.
+//! Requests and replies are JSON texts, one line each, over a stream socket in the folder of the place. A person can read
+//! them. The users that can reach the devices can reach this, no others. The socket lies in a folder of mode 0700, since
+//! it has the mode that the system gives it until it can be changed. `/dev/shm` is not used: whatever other users put there,
+//! forces can be turned off. One server has a place, by a lock that the kernel releases when the server is killed. All
+//! values of one request land in one tick.
 
 use super::error::{HostError, HostErrorKind};
-use super::room;
-use super::site::{Ipc, Site};
-use super::within::{LIMIT, within};
+use super::site::Site;
 use crate::frame::VERSION;
-use iceoryx2::active_request::ActiveRequest;
-use iceoryx2::port::server::Server;
-use iceoryx2::prelude::{
-    AllocationStrategy, BackpressureStrategy, CallbackProgression, Node, PortFactory as _, ServiceName,
-};
-use iceoryx2::service::builder::request_response::{Builder, RequestResponseOpenError as Open};
-use iceoryx2::service::port_factory::server::ServerCreateError;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions, Permissions, TryLockError};
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::unix::fs::{DirBuilderExt, FileExt, OpenOptionsExt, PermissionsExt};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Callers at a time.
 const CALLERS: usize = 8;
-/// Length texts begin with; they grow \[bytes\].
-const LENGTH: usize = 4096;
-/// Texts that have places in memory at a time, as iceoryx2 reckons for these numbers of callers.
-const UNDER_WAY: u64 = 96;
+/// Longest text \[bytes\].
+const LONGEST: usize = 16 << 20;
+/// Longest time in which a caller asks, and in which it takes its answer.
+const CALL: Duration = Duration::from_secs(2);
 
 /// A value as it was typed: a number in SI units, or a text with its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -57,6 +55,11 @@ pub enum Request {
     Disarm {
         /// one device; all if absent
         device: Option<String>,
+    },
+    /// what plays the sound, and what may
+    Audio {
+        /// another one; none to ask
+        to: Option<String>,
     },
     /// how it goes
     Status,
@@ -88,184 +91,219 @@ impl Reply {
     }
 }
 
-type Service = Builder<[u8], (), [u8], (), Ipc>;
-type Call = ActiveRequest<Ipc, [u8], (), [u8], ()>;
-
-fn service(node: &Node<Ipc>) -> Result<(String, Service), HostError> {
-    let name = format!("ca/v{VERSION}/control");
-    let service = ServiceName::new(&name).map_err(|e| HostError::system(format!("`{name}`"), e))?;
-    let builder = node
-        .service_builder(&service)
-        .request_response::<[u8], [u8]>()
-        .max_servers(1)
-        .max_clients(CALLERS)
-        .max_nodes(4 * CALLERS)
-        .max_active_requests_per_client(1)
-        .max_response_buffer_size(1);
-    Ok((name, builder))
+/// The folder of the socket and of the lock.
+fn folder(site: &Site) -> PathBuf {
+    site.root().join("control")
 }
 
-/// Time for the last who asked to read their answer before its memory goes with the server.
+fn socket(site: &Site) -> PathBuf {
+    folder(site).join(format!("v{VERSION}"))
+}
+
+/// Time for the last callers to take their answers when the server ends.
 const READ: Duration = Duration::from_secs(1);
 
 /// The server's end.
 pub struct ControlServer {
-    /// Answered by the last [`ControlServer::poll`]: an answer is lost where its memory goes before it is mapped.
-    answered: Vec<Call>,
-    server: Server<Ipc, [u8], (), [u8], ()>,
-    _node: Node<Ipc>,
+    listener: UnixListener,
+    calls: Vec<Call>,
+    socket: PathBuf,
+    _lock: File,
 }
 
 impl ControlServer {
     /// Opens it. Another server at this place is an error; one that was killed is not.
     ///
     /// # Errors
-    /// Where another server has the place, or the shared memory cannot be made.
+    /// If another server has the place, or the folder cannot be written.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
         super::stale_shm::strangers(site)?;
-        within(site, room::CONTROL, LIMIT, ControlServer::made)
-    }
-
-    fn made(site: &Site) -> Result<ControlServer, HostError> {
-        let node = site.node("control")?;
-        let (name, _) = service(&node)?;
-        let end = Instant::now() + Duration::from_secs(1);
-        loop {
-            let factory = match service(&node)?.1.open_or_create() {
-                Ok(factory) => factory,
-                Err(_) if Instant::now() < end => {
-                    sleep(Duration::from_millis(5));
-                    continue;
-                }
-                Err(e) => return Err(HostError::system(format!("`{name}` cannot be opened"), e)),
-            };
-            let made = factory
-                .server_builder()
-                .initial_max_slice_len(LENGTH)
-                .allocation_strategy(AllocationStrategy::PowerOfTwo)
-                .backpressure_strategy(BackpressureStrategy::DiscardData)
-                .create();
-            match made {
-                Ok(server) => return Ok(ControlServer { answered: Vec::new(), server, _node: node }),
-                Err(ServerCreateError::ExceedsMaxSupportedServers) => {
-                    let mut id = None;
-                    factory.dynamic_config().list_servers(|s| {
-                        id = Some(s.node_id);
-                        CallbackProgression::Stop
-                    });
-                    let who = id.and_then(|id| site.who(|other| *other == id));
-                    if let (0, Some(who)) = (site.swept().removed, who) {
-                        let what = format!("a server runs at `{}` already: {who}", site.root().display());
-                        let fix = "stop it, or set another CA_SHM_ROOT";
-                        return Err(HostError::new(HostErrorKind::Busy, what, fix));
-                    }
-                    if Instant::now() > end {
-                        return Err(HostError::system(format!("`{name}` has a server that is not there"), made.err()));
-                    }
-                    sleep(Duration::from_millis(5));
-                }
-                Err(e) => return Err(HostError::system(format!("`{name}` cannot be served"), e)),
+        let failed = |e: io::Error| HostError::system(format!("`{}` cannot be served", socket(site).display()), e);
+        let lock = match locked(site).map_err(failed)? {
+            Ok(lock) => lock,
+            Err(holder) => {
+                let what = format!("a server runs at `{}` already: {holder}", site.root().display());
+                return Err(HostError::new(HostErrorKind::Busy, what, "stop it, or set another CA_SHM_ROOT"));
             }
-        }
+        };
+        let socket = socket(site);
+        let listen = || {
+            match fs::remove_file(&socket) {
+                Err(e) if e.kind() != ErrorKind::NotFound => return Err(e),
+                _ => {}
+            }
+            let listener = UnixListener::bind(&socket)?;
+            listener.set_nonblocking(true)?;
+            Ok(listener)
+        };
+        Ok(ControlServer {
+            listener: listen().map_err(failed)?,
+            calls: Vec::new(),
+            socket: socket.clone(),
+            _lock: lock,
+        })
     }
 
     /// Answers what was asked. What cannot be read is answered here.
     pub fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) {
-        self.answered.clear();
-        while let Ok(Some(call)) = self.server.receive() {
-            let reply = match serde_json::from_slice(call.payload()) {
-                Ok(request) => answer(request),
-                Err(e) => Reply::refused(format!("not a request: {e}")),
-            };
-            let text = serde_json::to_vec(&reply).unwrap_or_default();
-            // one who asked and left gets no answer, nor does a question for whose answer there is no room
-            if !fits(text.len()) {
-                continue;
-            }
-            if let Ok(room) = call.loan_slice_uninit(text.len()) {
-                let _ = room.write_from_slice(&text).send();
-                self.answered.retain(Call::is_connected);
-                self.answered.push(call);
+        while self.calls.len() < CALLERS {
+            let Ok((stream, _)) = self.listener.accept() else { break };
+            if stream.set_nonblocking(true).is_ok() {
+                self.calls.push(Call { stream, asked: Vec::new(), answer: None, since: Instant::now() });
             }
         }
+        self.calls.retain_mut(|call| call.turn(answer));
     }
 }
 
 impl Drop for ControlServer {
-    /// Waits until the last answers were read: one of them may be the answer to [`Request::Stop`].
+    /// Waits until the last answers are taken: one of them may be the answer to [`Request::Stop`].
     fn drop(&mut self) {
         let end = Instant::now() + READ;
-        while self.answered.iter().any(Call::is_connected) && Instant::now() < end {
+        self.calls.retain(|call| call.answer.is_some());
+        while !self.calls.is_empty() && Instant::now() < end {
+            self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server ends")));
             sleep(Duration::from_millis(1));
         }
+        // the lock is still held: this is our socket
+        let _ = fs::remove_file(&self.socket);
     }
 }
 
-/// Most that a text of `length` bytes makes of new memory \[bytes\]: a place for each that may be under way.
-fn grown(length: usize) -> u64 {
-    if length <= LENGTH { 0 } else { UNDER_WAY * length.next_power_of_two() as u64 }
+/// The lock of the place, or the process that has it.
+fn locked(site: &Site) -> io::Result<Result<File, String>> {
+    let folder = folder(site);
+    match fs::DirBuilder::new().mode(0o700).create(&folder) {
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => fs::set_permissions(&folder, Permissions::from_mode(0o700))?,
+        made => made?,
+    }
+    let path = folder.join("lock");
+    let mut options = OpenOptions::new();
+    let lock = options.read(true).write(true).create(true).truncate(false).mode(0o600).open(path)?;
+    match lock.try_lock() {
+        Ok(()) => {
+            let name = fs::read_to_string("/proc/self/comm").unwrap_or_default();
+            lock.set_len(0)?;
+            lock.write_all_at(format!("process {} (`{}`)", std::process::id(), name.trim()).as_bytes(), 0)?;
+            Ok(Ok(lock))
+        }
+        Err(TryLockError::WouldBlock) => {
+            let mut who = String::new();
+            (&lock).take(200).read_to_string(&mut who)?;
+            Ok(Err(if who.is_empty() { "another process".into() } else { who }))
+        }
+        Err(TryLockError::Error(e)) => Err(e),
+    }
 }
 
-/// Whether there is room for a text.
-fn fits(length: usize) -> bool {
-    length <= LENGTH || room::check(grown(length)).is_ok()
+/// One caller: a line comes in, a line goes out.
+struct Call {
+    stream: UnixStream,
+    asked: Vec<u8>,
+    /// what is still to be sent
+    answer: Option<Vec<u8>>,
+    /// when the caller came, or when its answer was made
+    since: Instant,
+}
+
+impl Call {
+    /// Goes on as far as it can without waiting. False once it is over.
+    fn turn(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
+        if self.answer.is_none() {
+            let Ok(there) = self.ask() else { return false };
+            if let Some(length) = there {
+                let reply = match serde_json::from_slice(&self.asked[..length]) {
+                    Ok(request) => answer(request),
+                    Err(e) => Reply::refused(format!("not a request: {e}")),
+                };
+                let mut text = serde_json::to_vec(&reply).unwrap_or_default();
+                text.push(b'\n');
+                (self.answer, self.since) = (Some(text), Instant::now());
+            }
+        }
+        let Some(text) = &mut self.answer else { return self.since.elapsed() < CALL };
+        while !text.is_empty() {
+            match self.stream.write(text) {
+                Ok(0) => return false,
+                Ok(n) => drop(text.drain(..n)),
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(e) => return e.kind() == ErrorKind::WouldBlock && self.since.elapsed() < CALL,
+            }
+        }
+        false
+    }
+
+    /// Reads what came: the length of the request once it is whole.
+    fn ask(&mut self) -> io::Result<Option<usize>> {
+        let mut block = [0; 4096];
+        loop {
+            match self.stream.read(&mut block) {
+                Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+                Ok(n) => {
+                    let before = self.asked.len();
+                    self.asked.extend_from_slice(&block[..n]);
+                    if let Some(end) = block[..n].iter().position(|b| *b == b'\n') {
+                        return Ok(Some(before + end));
+                    }
+                    if self.asked.len() > LONGEST {
+                        return Err(ErrorKind::FileTooLarge.into());
+                    }
+                }
+                Err(e) if e.kind() == ErrorKind::WouldBlock => return Ok(None),
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(e) => return Err(e),
+            }
+        }
+    }
 }
 
 /// Asks the server of this place, and waits for its answer at most this long.
 ///
 /// # Errors
-/// Where nobody answers within `patience`, or more than one server is there.
+/// If no server answers within `patience`.
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
-    super::stale_shm::strangers(site)?;
-    let text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
-    let need = room::ASK.max(grown(text.len()));
-    within(site, need, LIMIT.saturating_add(patience), move |site| asked(site, &text, patience))
+    let mut text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
+    text.push(b'\n');
+    let answer = asked(site, &text, patience).map_err(|e| match e.kind() {
+        ErrorKind::NotFound
+        | ErrorKind::ConnectionRefused
+        | ErrorKind::ConnectionReset
+        | ErrorKind::BrokenPipe
+        | ErrorKind::UnexpectedEof => super::stale_shm::strangers(site).err().unwrap_or_else(|| {
+            let what = format!("no server runs at `{}`", site.root().display());
+            HostError::new(HostErrorKind::Absent, what, "start one: `ca serve MODEL`")
+        }),
+        ErrorKind::WouldBlock | ErrorKind::TimedOut => {
+            let what = format!("the server at `{}` does not answer within {patience:?}", site.root().display());
+            HostError::new(HostErrorKind::Absent, what, "see whether it is stopped, or start it again")
+        }
+        _ => HostError::system(format!("`{}` cannot be asked", socket(site).display()), e),
+    })?;
+    serde_json::from_slice(&answer).map_err(|e| {
+        let what = format!("the server at `{}` answers what is not a reply: {e}", site.root().display());
+        HostError::new(HostErrorKind::Answer, what, "run both sides from one release of ca")
+    })
 }
 
-fn asked(site: &Site, text: &[u8], patience: Duration) -> Result<Reply, HostError> {
-    let node = site.node("ask")?;
-    let absent = || {
-        let what = format!("no server runs at `{}`", site.root().display());
-        HostError::new(HostErrorKind::Absent, what, "start one: `ca serve MODEL`")
-    };
-    let (name, builder) = service(&node)?;
-    let factory = match builder.open() {
-        Ok(factory) => factory,
-        Err(Open::DoesNotExist | Open::IsMarkedForDestruction) => return Err(absent()),
-        Err(e) => return Err(HostError::system(format!("`{name}` cannot be opened"), e)),
-    };
-    if factory.dynamic_config().number_of_servers() == 0 {
-        return Err(absent());
+/// The line that is answered to a line.
+fn asked(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
+    let begin = Instant::now();
+    // a timeout of zero is refused by the system
+    let left = || patience.checked_sub(begin.elapsed()).filter(|d| !d.is_zero()).ok_or(ErrorKind::TimedOut);
+    let mut stream = UnixStream::connect(socket(site))?;
+    stream.set_write_timeout(Some(left()?))?;
+    stream.write_all(text)?;
+    let (mut answer, mut block) = (Vec::new(), [0; 4096]);
+    while answer.last() != Some(&b'\n') {
+        stream.set_read_timeout(Some(left()?))?;
+        match stream.read(&mut block) {
+            Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
+            Ok(n) => answer.extend_from_slice(&block[..n]),
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
     }
-    let failed = |e: &dyn std::fmt::Debug| HostError::system(format!("`{name}` cannot be asked"), e);
-    let client = factory
-        .client_builder()
-        .initial_max_slice_len(LENGTH)
-        .allocation_strategy(AllocationStrategy::PowerOfTwo)
-        .backpressure_strategy(BackpressureStrategy::DiscardData)
-        .create()
-        .map_err(|e| failed(&e))?;
-    let room = client.loan_slice_uninit(text.len()).map_err(|e| failed(&e))?;
-    let pending = room.write_from_slice(text).send().map_err(|e| failed(&e))?;
-    let end = Instant::now() + patience;
-    loop {
-        // asked first: one who answers and ends has left its answer
-        let there = pending.is_connected();
-        if let Some(answer) = pending.receive().map_err(|e| failed(&e))? {
-            return serde_json::from_slice(answer.payload()).map_err(|e| {
-                let what = format!("the server at `{}` answers what is no reply: {e}", site.root().display());
-                HostError::new(HostErrorKind::Answer, what, "run both sides from one release of ca")
-            });
-        }
-        if !there {
-            return Err(absent());
-        }
-        if Instant::now() > end {
-            let what = format!("the server at `{}` does not answer within {patience:?}", site.root().display());
-            return Err(HostError::new(HostErrorKind::Absent, what, "see whether it is stopped, or start it again"));
-        }
-        sleep(Duration::from_millis(1));
-    }
+    Ok(answer)
 }
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 //! Decides that this thread polls instead of waiting for events: a wait on a set of events allocates and costs more than
 //! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only
 //! looked at for their layout and their sender here; whether they can be true is the guard's question. A device is there
-//! from its first frame and gone after a quarter of a second of silence, whatever its process does.
+//! from its first frame and gone after a quarter of a second of silence, whatever its process does. Which server plays it is
+//! decided then ([`claim`](super::claim)).
 
+use super::claim::{Claim, News};
 use super::error::{HostError, HostErrorKind};
 use super::lines::{Frames, Line, Wakeup, check_name};
 use super::room;
@@ -13,7 +15,6 @@ use super::within::{LIMIT, within};
 use crate::frame::{About, DeviceFrame, ForceFrame, FrameMismatch, uid};
 use crate::rt::{Granted, RtRequest, now_ns};
 use iceoryx2::port::notifier::Notifier;
-use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::Node;
 use std::collections::VecDeque;
@@ -50,6 +51,8 @@ pub enum Event {
     About(Box<About>),
     /// nothing came for a quarter of a second
     Gone,
+    /// another server has it, in words; its frames are not used until that one ends
+    Taken(String),
     /// frames came that are not used, and why; reported once a session of silence
     Foreign(FrameMismatch),
 }
@@ -69,6 +72,8 @@ pub struct Traffic {
     pub sent: AtomicU64,
     /// force frames that could not be sent
     pub unsent: AtomicU64,
+    /// device frames that are not used, and force frames that are not sent, because the device is not claimed
+    pub unclaimed: [AtomicU64; 2],
 }
 
 /// One device, seen from here.
@@ -77,7 +82,7 @@ struct Place {
     uid: [u8; 16],
     frames: Subscriber<Ipc, DeviceFrame, ()>,
     says: Subscriber<Ipc, About, ()>,
-    forces: Publisher<Ipc, ForceFrame, ()>,
+    claim: Claim,
     bell: Notifier<Ipc>,
     session: u64,
     seq: u64,
@@ -89,6 +94,31 @@ struct Place {
     about: Option<About>,
 }
 
+impl Place {
+    /// A frame that is used: whose it is, and what is missing before it.
+    fn follow(
+        &mut self,
+        k: usize,
+        frame: &DeviceFrame,
+        now: u64,
+        events: &mut VecDeque<(usize, Event)>,
+        traffic: &Traffic,
+    ) {
+        if self.heard == 0 || self.session != frame.session {
+            // one that changes all the time is reported now and then
+            if now.saturating_sub(self.reported) > REPORT_NS {
+                events.push_back((k, Event::Here { session: frame.session }));
+                (self.reported, self.complained) = (now, false);
+            }
+        } else {
+            let gap = frame.seq.saturating_sub(self.seq).saturating_sub(1);
+            // a number from nowhere is not so many frames
+            traffic.missed.fetch_add(if gap < UNLIKELY { gap } else { 1 }, Relaxed);
+        }
+        (self.session, self.seq, self.heard) = (frame.session, frame.seq, now.max(1));
+    }
+}
+
 /// All devices of a server.
 pub struct Gateway {
     places: Vec<Place>,
@@ -96,6 +126,8 @@ pub struct Gateway {
     traffic: Arc<Traffic>,
     // after the ports that belong to it
     _node: Node<Ipc>,
+    /// protects the prefix
+    _site: Site,
 }
 
 impl Gateway {
@@ -104,15 +136,20 @@ impl Gateway {
     /// # Errors
     /// Where a name is none or is taken, or the shared memory cannot be made.
     pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
+        Gateway::with(site, names, None)
+    }
+
+    /// The same; with `after`, each device is claimed `after` its first frame instead of now.
+    fn with<S: AsRef<str>>(site: &Site, names: &[S], after: Option<Duration>) -> Result<Gateway, HostError> {
         super::stale_shm::strangers(site)?;
         let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
         let need = room::DEVICE * names.len() as u64;
         // each device has its own patience
         let limit = LIMIT * u32::try_from(names.len()).unwrap_or(u32::MAX).clamp(1, 10);
-        within(site, need, limit, move |site| Gateway::made(site, &names))
+        within(site, need, limit, move |site| Gateway::made(site, &names, after))
     }
 
-    fn made(site: &Site, names: &[String]) -> Result<Gateway, HostError> {
+    fn made(site: &Site, names: &[String], after: Option<Duration>) -> Result<Gateway, HostError> {
         let node = site.node("server")?;
         let mut places: Vec<Place> = Vec::new();
         for name in names {
@@ -121,9 +158,13 @@ impl Gateway {
                 let what = format!("the device `{name}` is wanted twice");
                 return Err(HostError::new(HostErrorKind::Name, what, "name it once"));
             }
+            let line = Frames::open(&node, name, Line::Out, 0)?;
             places.push(Place {
                 // first the line that only one can have
-                forces: Frames::open(&node, name, Line::Out, 0)?.publisher(site)?,
+                claim: match after {
+                    Some(after) => Claim::when_it_speaks(site, line, after),
+                    None => Claim::now(site, line)?,
+                },
                 frames: Frames::open(&node, name, Line::In, 0)?.subscriber(site, 0)?,
                 says: Frames::open(&node, name, Line::About, 1)?.subscriber(site, 1)?,
                 bell: Wakeup::open(&node, name)?.notifier(site)?,
@@ -137,7 +178,7 @@ impl Gateway {
                 about: None,
             });
         }
-        Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node })
+        Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node, _site: site.clone() })
     }
 
     /// Takes all frames that came, oldest first: the number of the device, and the frame.
@@ -155,26 +196,36 @@ impl Gateway {
                     }
                     continue;
                 }
-                if p.heard == 0 || p.session != frame.session {
-                    // one that changes all the time is reported now and then
-                    if now.saturating_sub(p.reported) > REPORT_NS {
-                        self.events.push_back((k, Event::Here { session: frame.session }));
-                        (p.reported, p.complained) = (now, false);
-                    }
+                if p.claim.is_ours() {
+                    p.follow(k, &frame, now, &mut self.events, &self.traffic);
+                    incoming(k, *frame);
                 } else {
-                    let gap = frame.seq.saturating_sub(p.seq).saturating_sub(1);
-                    // a number from nowhere is not so many frames
-                    self.traffic.missed.fetch_add(if gap < UNLIKELY { gap } else { 1 }, Relaxed);
+                    self.traffic.unclaimed[0].fetch_add(1, Relaxed);
+                    p.claim.heard(&frame, now);
                 }
-                (p.session, p.seq, p.heard) = (frame.session, frame.seq, now.max(1));
-                incoming(k, *frame);
+            }
+            match p.claim.news() {
+                Some(News::Ours { told }) => {
+                    if told {
+                        self.traffic.unclaimed[1].fetch_sub(1, Relaxed);
+                        self.traffic.sent.fetch_add(1, Relaxed);
+                    }
+                    if let Some(frame) = p.claim.waiting(now) {
+                        self.traffic.unclaimed[0].fetch_sub(1, Relaxed);
+                        p.follow(k, &frame, now, &mut self.events, &self.traffic);
+                        incoming(k, frame);
+                    }
+                }
+                Some(News::Taken(who)) => self.events.push_back((k, Event::Taken(who))),
+                None => {}
             }
             if p.heard != 0 && now.saturating_sub(p.heard) > SILENCE_NS {
                 p.heard = 0;
                 self.events.push_back((k, Event::Gone));
             }
             for _ in 0..BURST {
-                let Ok(Some(about)) = p.says.receive() else { break };
+                // what it says waits until it is ours
+                let Some(Ok(Some(about))) = p.claim.is_ours().then(|| p.says.receive()) else { break };
                 // bytes, since what is not finite differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
                 if about.is_ours() && about.device == p.uid && new {
@@ -188,8 +239,12 @@ impl Gateway {
     /// Sends a force to device `k` and wakes it. Never waits. Its life is counted from `t_host_ns`, which whoever made it
     /// has written: a force that was held up on its way here is no fresh one.
     pub fn send(&mut self, k: usize, frame: &ForceFrame) {
-        let Some(p) = self.places.get(k) else { return };
-        let count = if p.forces.send_copy(*frame).is_ok() { &self.traffic.sent } else { &self.traffic.unsent };
+        let Some(p) = self.places.get_mut(k) else { return };
+        let Some(sent) = p.claim.send(frame) else {
+            self.traffic.unclaimed[1].fetch_add(1, Relaxed);
+            return;
+        };
+        let count = if sent { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
         // a sleeper that cannot be woken looks by itself sooner or later
         let _ = p.bell.notify();
@@ -236,7 +291,8 @@ impl Gateway {
         self
     }
 
-    /// Opens the lines in a thread of their own, where they stay, and runs there.
+    /// Opens the lines in a new thread and runs there. Each device is claimed `after` its first frame: the server with the shorter
+    /// delay gets it, and the other reports [`Event::Taken`].
     /// Asks the system for `request`; what it granted is in [`Running::granted`].
     ///
     /// # Errors
@@ -246,6 +302,7 @@ impl Gateway {
         names: &[S],
         mut rings: Rings,
         request: RtRequest,
+        after: Duration,
     ) -> Result<Running, HostError> {
         let (site, names): (Site, Vec<String>) = (site.clone(), names.iter().map(|n| n.as_ref().into()).collect());
         let stop = Arc::new(AtomicBool::new(false));
@@ -253,7 +310,7 @@ impl Gateway {
         let end = stop.clone();
         let thread = std::thread::Builder::new()
             .name("ca gateway".into())
-            .spawn(move || match Gateway::open(&site, &names) {
+            .spawn(move || match Gateway::with(&site, &names, Some(after)) {
                 Ok(gateway) => {
                     let _ = tell.send(Ok((gateway.traffic(), crate::rt::ask(request))));
                     drop(gateway.run(&mut rings, &end));

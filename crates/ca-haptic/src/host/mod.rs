@@ -10,19 +10,22 @@
 //! ca/v1/<device>/out    ForceFrame    engine → device
 //! ca/v1/<device>/about  About         device → all, once a second, the last is kept for those who come later
 //! ca/v1/<device>/wake   event         a force frame is there
-//! ca/v1/control         JSON          requests and replies of `ca set`, `ca arm` …
 //! ```
 //!
-//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it. A
-//! file of another user under a name of ours is an error before anything is opened (`ours`), and opening has a limit of
-//! time (`within`).
+//! `ca set`, `ca disarm` and the like speak to a server over a socket in the folder of the place ([`control`]).
+//!
+//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it. Other
+//! users cannot know its names before they are used (`prefix`), their files under such names are ignored (`ours`), and
+//! opening has a limit of time (`within`).
 
+mod claim;
 pub mod client;
 pub mod control;
 mod error;
 pub mod gateway;
 pub mod lines;
 mod ours;
+mod prefix;
 mod room;
 mod session;
 pub mod site;

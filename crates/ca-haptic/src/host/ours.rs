@@ -1,16 +1,16 @@
-//! What lies in `/dev/shm` under names of ours: whose it is, who may open it, and whether it is whole.
+//! Checks the files in `/dev/shm` that carry our prefix: owner, mode and size.
 //!
-//! Decides to look before iceoryx2 opens anything, since it takes any file with the right name: one of another user could
-//! hold it up for ever or give it memory that the other user writes. A file of another user is an error. A file of ours
-//! without a byte in it has no maker any more, or somebody cut it, and nobody can use it: it is removed. So is a service in
-//! the folder of the place that was begun and not finished, whose maker was killed while it started. The one file that
-//! iceoryx2 0.10 makes for everybody (a counter, mode 0666; no option of its configuration changes that) is made here
-//! first, with mode 0600, and iceoryx2 opens what it finds. A change of the mode afterwards would be too late: whoever
-//! opened the file before keeps it open.
+//! iceoryx2 opens any file with the right name. A file of another user is ignored: iceoryx2 cannot open most of them, and a
+//! step that fails names the file. If iceoryx2 did map such a file, whose content the other user can change, that is an
+//! error ([`unmixed`]). An empty file of this user has lost its maker: it is removed, and so is a service in the folder
+//! that was begun and not finished. The one file that iceoryx2 0.10 makes with mode 0666 (a counter; its configuration
+//! cannot change that) is made here first, with mode 0600, and iceoryx2 opens what it finds. A later change of the mode
+//! would be too late: another user may have opened the file before.
 
 use super::error::{HostError, HostErrorKind};
 use super::site::{SHM, Site, uid};
-use std::fs::{self, OpenOptions, Permissions};
+use std::collections::BTreeSet;
+use std::fs::{self, Metadata, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
@@ -26,11 +26,60 @@ const UNMADE: Duration = Duration::from_secs(1);
 const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
 const RELEASE: u64 = 10 << 16;
 
-/// Files under names of ours.
-fn files(site: &Site) -> Vec<PathBuf> {
-    let Ok(entries) = fs::read_dir(SHM) else { return Vec::new() };
-    let ours = |e: &fs::DirEntry| e.file_name().as_encoded_bytes().starts_with(site.prefix().as_bytes());
-    entries.flatten().filter(ours).map(|e| e.path()).collect()
+/// Everything with this prefix: path and metadata. Files that vanish meanwhile are left out.
+fn named(prefix: &str) -> impl Iterator<Item = (PathBuf, Metadata)> {
+    let entries = fs::read_dir(SHM).into_iter().flatten().flatten();
+    let named = entries.filter(move |e| e.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()));
+    named.filter_map(|e| Some((e.path(), fs::symlink_metadata(e.path()).ok()?)))
+}
+
+fn is_foreign(about: &Metadata) -> bool {
+    about.uid() != uid() || !about.is_file()
+}
+
+/// Files of this user with our prefix.
+fn files(site: &Site) -> impl Iterator<Item = (PathBuf, Metadata)> {
+    named(site.prefix()).filter(|(_, about)| !is_foreign(about))
+}
+
+/// Files of other users with this prefix, and what is not a file.
+pub(super) fn foreign(prefix: &str) -> Vec<(PathBuf, Metadata)> {
+    named(prefix).filter(|(_, about)| is_foreign(about)).collect()
+}
+
+/// A failure of the system, which a file of another user may have caused: names that file.
+pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
+    match foreign(site.prefix()).first() {
+        Some((path, about)) if e.kind == HostErrorKind::System => {
+            let what = format!("{}; `{}` of user {} may block it", e.what, path.display(), about.uid());
+            let fix = "end all servers and devices of this place, which then takes other names; \
+                       or remove that file (its user or root can)";
+            HostError::new(e.kind, what, fix)
+        }
+        _ => e,
+    }
+}
+
+/// An error where this process has mapped one of these files, or one that is there now, of another user.
+pub(super) fn unmixed(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(), HostError> {
+    let now = foreign(site.prefix());
+    let foreign: BTreeSet<u64> = before.iter().chain(&now).map(|(_, about)| about.ino()).collect();
+    if foreign.is_empty() {
+        return Ok(());
+    }
+    let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let names = format!("{SHM}/{}", site.prefix());
+    for line in maps.lines().filter(|l| l.contains(&names)) {
+        // address, rights, offset, device, inode, path
+        let inode = line.split_whitespace().nth(4).and_then(|n| n.parse().ok());
+        if inode.is_some_and(|n| foreign.contains(&n)) {
+            let path = &line[line.find(&names).unwrap_or_default()..];
+            let what = format!("`{path}` belongs to another user and could change under us");
+            let fix = "end all servers and devices of this place, which then takes other names";
+            return Err(HostError::new(HostErrorKind::Site, what, fix));
+        }
+    }
+    Ok(())
 }
 
 fn failed(path: &Path, what: &str, e: &io::Error) -> HostError {
@@ -38,7 +87,7 @@ fn failed(path: &Path, what: &str, e: &io::Error) -> HostError {
     HostError::new(HostErrorKind::Site, text, "see `ca shm list`, or set another CA_SHM_ROOT")
 }
 
-/// An error where a file under a name of ours is not ours; closes ours to others, and removes what nobody can use.
+/// Closes our files to other users, removes those that no process can use, and makes the counter.
 pub(super) fn check(site: &Site) -> Result<(), HostError> {
     if !Path::new(SHM).is_dir() {
         return Ok(());
@@ -68,15 +117,7 @@ pub(super) fn check(site: &Site) -> Result<(), HostError> {
 /// Files that are still empty.
 fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
     let mut unmade = Vec::new();
-    for path in files(site) {
-        // one that went away meanwhile is no obstacle
-        let Ok(about) = fs::symlink_metadata(&path) else { continue };
-        if about.uid() != uid() || !about.is_file() {
-            let whose = if about.is_file() { "belongs to" } else { "is no file, of" };
-            let what = format!("`{}` is under a name of this place and {whose} user {}", path.display(), about.uid());
-            let fix = "remove it (that user or root can), or set another CA_SHM_ROOT";
-            return Err(HostError::new(HostErrorKind::Site, what, fix));
-        }
+    for (path, about) in files(site) {
         if about.len() == 0 {
             unmade.push(path);
         } else if about.mode() & 0o077 != 0 && !is_counter(site, &path) {
@@ -113,7 +154,7 @@ fn counter(site: &Site) -> Result<(), HostError> {
     let path = counter_of(site);
     let whole = |bytes: &[u8]| bytes.len() == 16 && bytes[..8] == RELEASE.to_le_bytes();
     if let Ok(about) = fs::symlink_metadata(&path) {
-        let closed = about.mode() & 0o777 == 0o600;
+        let closed = !is_foreign(&about) && about.mode() & 0o777 == 0o600;
         if closed && fs::read(&path).is_ok_and(|bytes| whole(&bytes)) {
             return Ok(());
         }
@@ -132,10 +173,9 @@ fn counter(site: &Site) -> Result<(), HostError> {
 
 /// Takes the memory of all our files now, so that a `/dev/shm` that others fill later ends nobody with a SIGBUS.
 pub(super) fn reserve(site: &Site) -> Result<(), HostError> {
-    for path in files(site) {
-        let Ok(about) = fs::symlink_metadata(&path) else { continue };
+    for (path, about) in files(site) {
         // blocks are of 512 bytes, whatever the file system
-        if about.blocks() * 512 >= about.len() || !about.is_file() || about.mode() & 0o600 != 0o600 {
+        if about.blocks() * 512 >= about.len() || about.mode() & 0o600 != 0o600 {
             continue;
         }
         let Ok(file) = OpenOptions::new().write(true).open(&path) else { continue };

@@ -10,9 +10,6 @@ use std::io;
 
 /// Most that one side of a device makes \[bytes\]: queues of frames, what it says of itself, and links to its readers.
 pub(super) const DEVICE: u64 = 192 << 10;
-/// Most that the control of a server makes \[bytes\], and one who asks it.
-pub(super) const CONTROL: u64 = 512 << 10;
-pub(super) const ASK: u64 = 256 << 10;
 /// Most that a look around makes \[bytes\].
 pub(super) const LOOK: u64 = 64 << 10;
 
@@ -50,7 +47,6 @@ pub(super) fn take(_: &File, _: u64) -> io::Result<()> {
 mod tests {
     use super::*;
     use crate::frame::About;
-    use crate::host::control::{ControlServer, Reply, Request, ask};
     use crate::host::{DeviceClient, Gateway, Site, stale_shm};
     use std::time::Duration;
 
@@ -76,23 +72,6 @@ mod tests {
             (0..3).map(|_| crate::host::gateway::list_devices(&site, Duration::from_millis(1))).collect();
         assert!(readers.iter().all(Result::is_ok) && used(&site) - both <= LOOK);
         drop((gateway, device));
-        let before = used(&site);
-        let mut control = ControlServer::open(&site).expect("a control");
-        let with = used(&site);
-        assert!(with - before <= CONTROL, "{with} - {before}");
-        let here = site.clone();
-        let asking = std::thread::spawn(move || ask(&here, &Request::Status, Duration::from_secs(30)));
-        let mut most = 0;
-        while !asking.is_finished() {
-            control.poll(&mut |_| {
-                most = used(&site);
-                Reply::done("x")
-            });
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        assert!(asking.join().is_ok_and(|r| r.is_ok()));
-        assert!(most > with && most - with <= ASK, "{most} - {with}");
-        drop(control);
         stale_shm::clean(&site);
     }
 

@@ -1,27 +1,22 @@
 //! Where the shared memory of a user lives.
 //!
-//! Decides on one folder a user, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to others, and on a prefix of all names that
-//! is stamped with the version of our frames, the release of iceoryx2 (its layout changes with each) and a hash of the
-//! folder's name, since `/dev/shm` is one for all folders. So two versions or two folders never touch each other's
-//! memory. A configuration file of iceoryx2 is not read: sizes of queues are part of the protocol. In Python:
-//!
-//! ```text
-//! root = os.environ.get("CA_SHM_ROOT", f"/tmp/ca-{os.getuid()}").rstrip("/")
-//! fnv = functools.reduce(lambda h, b: (h ^ b) * 0x100000001b3 % 2**64, root.encode(), 0xcbf29ce484222325)
-//! prefix = f"ca1-0.10.0-{fnv % 2**32:08x}_"
-//! ```
+//! Each user has one folder, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to other users. All names in the folder and in
+//! `/dev/shm` begin with one prefix. It has the version of our frames, the release of iceoryx2 (its layout changes with
+//! each) and the random digits of the folder ([`prefix`](super::prefix)), so two versions or two folders never touch each
+//! other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are part of the protocol.
 
 use super::error::{HostError, HostErrorKind};
-use crate::frame::{VERSION, fnv};
+use super::{ours, prefix, stale_shm};
+use crate::frame::VERSION;
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
     CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc_threadsafe,
 };
 use iceoryx2::prelude::{LogLevel, SemanticString, SignalHandlingMode, set_log_level_from_env_or};
-use std::fs;
+use std::fs::{self, File};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Component, Path, PathBuf};
-use std::sync::Once;
+use std::sync::{Arc, Once};
 
 /// Shared memory between processes, with ports that are made on one thread and used on another
 /// ([`within`](super::within)).
@@ -42,10 +37,12 @@ const LINKS: u32 = 40;
 static LOGS: Once = Once::new();
 
 /// Where devices and engine of a user meet.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Site {
     root: PathBuf,
     prefix: String,
+    /// protects the prefix for as long as a clone of this value lives
+    _claim: Arc<File>,
 }
 
 /// Dead processes whose remains were found by [`Site::sweep`].
@@ -110,8 +107,14 @@ impl Site {
             return Err(bad("can be written by other users", "close it: `chmod 700`"));
         }
         LOGS.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
-        let prefix = format!("{}{:08x}_", stamp(), fnv(text.as_bytes()) as u32);
-        Ok(Site { root, prefix })
+        let claimed = prefix::claim(
+            &root,
+            |digits| !ours::foreign(&named(digits)).is_empty(),
+            |digits| stale_shm::remove_hash(&root, digits),
+        );
+        let (digits, claim) =
+            claimed.map_err(|e| bad(&format!("does not give a prefix for shared memory: {e}"), fix))?;
+        Ok(Site { root, prefix: named(&digits), _claim: Arc::new(claim) })
     }
 
     /// The folder.
@@ -221,12 +224,17 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
     None
 }
 
-/// What names of this version begin with, before the folder's hash.
+/// The prefix with these digits.
+fn named(digits: &str) -> String {
+    format!("{}{digits}_", stamp())
+}
+
+/// The part of the prefix before the digits of the folder: the version.
 pub(super) fn stamp() -> String {
     format!("ca{VERSION}-{IOX}-")
 }
 
 /// The user of this process. `/proc/self` belongs to it.
-pub(super) fn uid() -> u32 {
+pub fn uid() -> u32 {
     fs::metadata("/proc/self").map_or(0, |m| m.uid())
 }

@@ -1,13 +1,13 @@
 //! What lies in the folder and in `/dev/shm` under names of ours, and who still uses it.
 //!
-//! Decides that a file is alive while a living process has it mapped or open, as the system says, whatever version it
-//! is of; nothing else is proof, and no version can read the books of another. Files are judged in groups, one a version
-//! (prefix). In a group that has living members, only iceoryx2 itself removes what it knows to be dead; a group without
-//! any is removed file by file.
+//! A file is alive while a living process has it mapped or open, as the system says, in any version; no version can read
+//! the books of another. Files are judged in groups, one for each version (prefix). In a group with living members, only
+//! iceoryx2 removes what it knows to be dead; in a group without any, each file is removed. Files of other users are
+//! ignored.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::{SHM, Site, stamp};
-use crate::frame::VERSION;
+use super::site::{SHM, Site, stamp, uid};
+use crate::frame::{VERSION, fnv};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::os::unix::fs::MetadataExt;
@@ -48,22 +48,48 @@ pub struct Cleaned {
     pub kept: Vec<Group>,
 }
 
-/// Version of frames, release of iceoryx2 and hash of the folder of a name of ours.
+/// True for the digits of a folder.
+pub(super) fn is_hash(text: &str) -> bool {
+    text.len() == 8 && text.bytes().all(|b| b.is_ascii_hexdigit())
+}
+
+/// Version of frames, release of iceoryx2 and digits of the folder, from the name of a file.
 fn parse(name: &str) -> Option<(&str, &str, &str)> {
     let (prefix, _) = name.strip_prefix("ca")?.split_once('_')?;
     let (rest, hash) = prefix.rsplit_once('-')?;
     let (frames, iox) = rest.split_once('-')?;
     let digits = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    let hex = hash.len() == 8 && hash.bytes().all(|b| b.is_ascii_hexdigit());
-    (digits(frames) && digits(iox) && hex).then_some((frames, iox, hash))
+    (digits(frames) && digits(iox) && is_hash(hash)).then_some((frames, iox, hash))
 }
 
-/// The prefix of a name of ours at this place, of whatever version.
+/// The prefix of a file of this place, in any version. Releases before the random digits took a hash of the folder.
 fn prefix_of(site: &Site, name: &str) -> Option<String> {
     let (frames, iox, hash) = parse(name)?;
-    let prefix = format!("ca{frames}-{iox}-{hash}_");
-    let end = site.prefix().strip_prefix(&stamp())?;
-    prefix.ends_with(end).then_some(prefix)
+    let digits = site.prefix().strip_prefix(&stamp())?.strip_suffix('_')?;
+    let before = || format!("{:08x}", fnv(site.root().as_os_str().as_encoded_bytes()) as u32);
+    (hash == digits || hash == before()).then(|| format!("ca{frames}-{iox}-{hash}_"))
+}
+
+/// Removes the files of this user whose names have these digits.
+pub(super) fn remove_hash(root: &Path, digits: &str) {
+    let mut remove = |path: PathBuf| {
+        if parse(&name(&path)).is_some_and(|(_, _, hash)| hash == digits) {
+            // a file that stays blocks nothing: no process looks for these digits again
+            let _ = fs::remove_file(&path);
+        }
+    };
+    each_ours(root, &mut remove);
+}
+
+/// All files of this user in `/dev/shm` and below the folder of a place.
+fn each_ours(root: &Path, each: &mut impl FnMut(PathBuf)) {
+    let uid = uid();
+    walk(Path::new(SHM), 0, &mut |path| {
+        if fs::symlink_metadata(&path).is_ok_and(|m| m.uid() == uid) {
+            each(path);
+        }
+    });
+    walk(root, 3, each);
 }
 
 /// All files below a folder.
@@ -91,8 +117,7 @@ pub fn list(site: &Site) -> Vec<Group> {
             groups.entry(prefix).or_default().files.push((path, bytes));
         }
     };
-    walk(Path::new(SHM), 0, &mut add);
-    walk(site.root(), 3, &mut add);
+    each_ours(site.root(), &mut add);
     let users = users(&groups.values().flat_map(|g| g.files.iter().map(|f| f.0.clone())).collect());
     let mut list = Vec::new();
     for (prefix, mut group) in groups {
@@ -172,13 +197,14 @@ pub fn clean(site: &Site) -> Cleaned {
 /// why.
 pub(super) fn strangers(site: &Site) -> Result<(), HostError> {
     let mut other = false;
-    let mut look = |path: PathBuf| other |= prefix_of(site, &name(&path)).is_some_and(|p| p != site.prefix());
-    walk(Path::new(SHM), 0, &mut look);
+    each_ours(site.root(), &mut |path| {
+        other |= prefix_of(site, &name(&path)).is_some_and(|p| p != site.prefix());
+    });
     if !other {
         return Ok(());
     }
     let Some(group) = list(site).into_iter().find(|g| !g.ours && !g.alive.is_empty()) else { return Ok(()) };
-    let me = fs::metadata("/proc/self").map_or(0, |m| m.uid());
+    let me = uid();
     let who = group.alive.iter().map(|(id, name)| format!("{id} (`{name}`)")).collect::<Vec<_>>().join(", ");
     let what = format!(
         "process {who} at `{}` speaks frames {} over iceoryx2 {}; this is frames {VERSION} over iceoryx2 {}",

@@ -19,7 +19,7 @@ const SWEEP: Duration = Duration::from_secs(2);
 /// Memory of the thread's stack \[bytes\]: a server that keeps its memory in RAM pays for all of it, at each sweep.
 const STACK: usize = 512 << 10;
 
-/// Does something at a place, once what lies there is ours and has `need` bytes of room.
+/// Does something at a place, once our files there are closed to other users and `need` bytes are free.
 pub(super) fn within<T: Send + 'static>(
     site: &Site,
     need: u64,
@@ -28,7 +28,9 @@ pub(super) fn within<T: Send + 'static>(
 ) -> Result<T, HostError> {
     ours::check(site)?;
     room::check(need)?;
-    let made = limited(site, limit, act)?;
+    let foreign = ours::foreign(site.prefix());
+    let made = limited(site, limit, act).map_err(|e| ours::blamed(site, e))?;
+    ours::unmixed(site, &foreign)?;
     // what came while it was opened
     ours::check(site)?;
     ours::reserve(site)?;
@@ -65,7 +67,7 @@ fn limited<T: Send + 'static>(
             RecvTimeoutError::Timeout => format!("shared memory at `{root}` does not open within {limit:?}"),
             RecvTimeoutError::Disconnected => format!("iceoryx2 gave up on the shared memory at `{root}`"),
         };
-        let fix = "see `ca shm list`; `ca shm clean` removes what ended processes have left, another CA_SHM_ROOT against other users";
+        let fix = "see `ca shm list`; `ca shm clean` removes what ended processes have left, another CA_SHM_ROOT is another place";
         Err(HostError::new(HostErrorKind::System, what, fix))
     })
 }

@@ -3,7 +3,7 @@
 //! Decides that this loop calls the kernel for nothing but its wait. What does not fit a ring is counted; what must be
 //! freed travels to the recorder, and waits here until there is room.
 
-use super::audio::Follow;
+use super::audio::Outlet;
 use super::clock::{Clock, Pace, Start, wait_for};
 use crate::blocks::put;
 use crate::engine::{Engine, EngineCommand, Retired};
@@ -32,8 +32,8 @@ pub struct Rings {
     pub timings: Producer<FrameTiming>,
     /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
-    /// what plays the sound at once; none where it only goes to files
-    pub audio: Option<Follow>,
+    /// what plays the sound at once, besides files
+    pub audio: Outlet,
 }
 
 /// How a gesture frame went.
@@ -133,7 +133,11 @@ impl Live {
         let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
             let mut blind = 0;
-            let start = match (self.clock, &mut self.rings.audio) {
+            if self.rings.audio.turn() {
+                // the time that another clock has counted is none of this one's
+                pace = Pace::new(period);
+            }
+            let start = match (self.clock, self.rings.audio.now()) {
                 (Clock::Audio, Some(audio)) => audio.next(),
                 (Clock::Monotonic | Clock::Audio, _) => pace.next(),
                 (Clock::Device { patience }, _) => {
@@ -220,7 +224,7 @@ impl Live {
         if !put(&mut rings.sound, due, sound, &[]) {
             shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
         }
-        if let Some(audio) = &mut rings.audio {
+        if let Some(audio) = rings.audio.now() {
             audio.put(sound);
         }
         shared.diverged.store(engine.has_diverged(), Relaxed);

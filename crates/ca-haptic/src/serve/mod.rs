@@ -68,7 +68,7 @@ fn picture(scene: &Scene) -> usize {
 }
 
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
-/// [`audio::link`].
+/// [`audio::link`], by way of [`audio::outlet`].
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
     let rate = scene.rate / f64::from(scene.ratio);
     let frames = (AWAY * rate) as usize;
@@ -95,7 +95,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
             sound: sound_in,
             timings: beats_in,
             views: views_in,
-            audio: None,
+            audio: audio::outlet(None).0,
         },
         GatewayEnds { frames: frames_in, forces: forces_out },
         RecorderEnds {

@@ -5,7 +5,7 @@ mod seen;
 mod swap;
 
 use super::async_sink::missing;
-use super::audio::Watch;
+use super::audio::{AudioSummary, Outputs, Watch};
 use super::sink::{Notice, Sink};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
@@ -54,6 +54,10 @@ pub struct Recorder {
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
+    /// devices that played before
+    before: Vec<AudioSummary>,
+    /// what may play the sound
+    outputs: Outputs,
     hand: hand::Hand,
     /// a version of the scene that the engine is to play, with its parameters; and how many came before
     coming: Option<(Arc<Version>, Controls)>,
@@ -88,6 +92,8 @@ impl Recorder {
             block: Vec::new(),
             broken: Vec::new(),
             audio: None,
+            before: Vec::new(),
+            outputs: Outputs::default(),
             hand: hand::Hand::new(&scene),
             coming: None,
             versions: 0,
@@ -96,9 +102,15 @@ impl Recorder {
         }
     }
 
-    /// Sound goes to a device, too.
-    pub fn hears(&mut self, audio: Watch) {
-        self.audio = Some(audio);
+    /// Sound goes to a device, too, from now on; to none where there is none.
+    pub fn hears(&mut self, audio: Option<Watch>) {
+        self.before.extend(self.audio.take().map(|a| a.summary()));
+        self.audio = audio;
+    }
+
+    /// Outputs of the sound, for the front end that opens them and for requests.
+    pub fn outputs(&mut self) -> &mut Outputs {
+        &mut self.outputs
     }
 
     /// The device that plays the sound, by name, and how late that is heard \[ms\], as far as is known yet.
@@ -380,6 +392,7 @@ impl Recorder {
             broken: self.broken.iter().map(ToString::to_string).collect(),
             granted,
             audio: self.audio.as_ref().map(Watch::summary),
+            audio_before: std::mem::take(&mut self.before),
         }
     }
 }

@@ -113,13 +113,15 @@ pub struct Summary {
     pub granted: Vec<(String, String)>,
     /// the device that played the sound, if one did
     pub audio: Option<AudioSummary>,
+    /// those that played before it, in order
+    pub audio_before: Vec<AudioSummary>,
 }
 
 impl Summary {
     /// True where nothing was lost, cut, left unwritten or diverged. Faults of a hand or device are no loss.
     pub fn is_faithful(&self) -> bool {
         let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_timings;
-        let heard = self.audio.as_ref().is_none_or(AudioSummary::is_faithful);
+        let heard = self.audio.iter().chain(&self.audio_before).all(AudioSummary::is_faithful);
         lost == 0 && self.broken.is_empty() && self.clipped == 0 && !self.unstable && self.refused == 0 && heard
     }
 }

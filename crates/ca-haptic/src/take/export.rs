@@ -197,7 +197,7 @@ impl<'a> ChannelTable<'a> {
     fn finish(mut self) -> Result<u64, FileError> {
         let head = self.header();
         let mut done = self.out.flush();
-        if self.array && self.staged.is_plain() {
+        if self.array {
             done = done.and_then(|()| self.out.seek(SeekFrom::Start(0)).map(|_| ()));
             done = done.and_then(|()| self.out.write_all(&head)).and_then(|()| self.out.flush());
         }

@@ -16,6 +16,7 @@
 pub mod cdr;
 pub mod export;
 mod flat;
+mod framed;
 mod gesture;
 mod header;
 mod next;

@@ -84,8 +84,10 @@ impl Take {
             }
         }
         let Some(meta) = meta else {
-            let early = source.end().is_some_and(|e| e.early().is_some());
-            let what = if early { "it ends before its first frame" } else { "an MCAP file, but no take of `ca`" };
+            let what = match source.end().and_then(End::early) {
+                Some((why, _)) => format!("it ends before its first frame: {why}"),
+                None => "an MCAP file, but no take of `ca`".into(),
+            };
             return Err(name(FileError::format(what).fix("give a file that `ca` wrote while playing")));
         };
         let header = Header::read(&files, &meta).map_err(name)?;

@@ -1,7 +1,8 @@
 //! Makes a take that was cut off whole again: the same messages, with an index.
 //!
-//! Decides to copy message by message what was written whole, under the same names and numbers, into a new file: the
-//! old one is left as it is, since what a crash left behind is evidence.
+//! Messages that were written whole are copied one by one, under the same names and numbers, into a new file: the old one is
+//! left as it is, since what a crash left behind is evidence. Other users cannot read the new file, as they cannot read the
+//! old one.
 
 use super::options;
 use super::source::{End, Item, Source};
@@ -35,7 +36,7 @@ pub struct Recovered {
 pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered, FileError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let mut source = Source::open(from)?;
-    let staged = AtomicFile::create(to)?;
+    let staged = AtomicFile::create_private(to)?;
     let file = BufWriter::with_capacity(1 << 16, staged.handle()?);
     let mut out = options().create(file).map_err(|e| failed(to, &e))?;
     let mut reported = Recovered { messages: 0, seconds: 0.0, attachments: 0, cut: None, damaged: false };

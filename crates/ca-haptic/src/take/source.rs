@@ -6,6 +6,7 @@
 //! damaged, which is more than cut: what follows was played, and is not there. The sum over all bytes at the end of a
 //! finished file finds what no chunk does.
 
+use super::framed;
 use ca_io::error::{FileError, FileErrorKind};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
@@ -89,6 +90,10 @@ pub struct Source {
     /// bytes handed to the reader, and those up to the last thing that was whole
     read: u64,
     used: u64,
+    /// the longest record that is read \[bytes\]
+    most: u64,
+    /// the record that is handed to the reader
+    record: Vec<u8>,
     reader: LinearReader,
     known: ChannelAccumulator<'static>,
     end: Option<End>,
@@ -114,20 +119,24 @@ impl Source {
             let e = FileError::format("it is no MCAP file").file(path.display());
             return Err(e.fix("give a file that `ca` wrote while playing"));
         }
-        // from its first byte, which the sum over all bytes counts
-        file.seek(SeekFrom::Start(0)).map_err(|e| io(&e))?;
+        let most = CHUNK.saturating_add(size as usize);
         let options = LinearReaderOptions::default()
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(true)
-            .with_record_length_limit(CHUNK.saturating_add(size as usize));
+            .with_record_length_limit(most);
+        let mut reader = LinearReader::new_with_options(options);
+        // from its first byte, which the sum over all bytes counts
+        hand(&mut reader, &magic);
         Ok(Source {
             path: path.to_owned(),
             file,
             size,
-            read: 0,
+            read: magic.len() as u64,
             used: 0,
-            reader: LinearReader::new_with_options(options),
+            most: most as u64,
+            record: Vec::new(),
+            reader,
             known: ChannelAccumulator::default(),
             end: None,
             finished: tail == mcap::MAGIC,
@@ -197,21 +206,22 @@ impl Iterator for Source {
             let record = match self.reader.next_event() {
                 None => return self.cut(&McapError::UnexpectedEof),
                 Some(Err(e)) => return self.cut(&e),
-                Some(Ok(LinearReadEvent::ReadRequest(need))) => {
-                    let read = match self.file.read(self.reader.insert(need)) {
-                        Ok(n) => n,
-                        Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
-                        Err(e) => {
-                            self.end = Some(End::Whole);
-                            return Some(Err(FileError::io(&self.path, "it cannot be read", &e)));
-                        }
-                    };
-                    self.reader.notify_read(read);
-                    self.read += read as u64;
+                Some(Ok(LinearReadEvent::ReadRequest(_))) => {
+                    if let Err(e) = framed::next(&mut self.file, self.most, &mut self.record) {
+                        self.end = Some(End::Whole);
+                        return Some(Err(FileError::io(&self.path, "it cannot be read", &e)));
+                    }
+                    let whole = framed::record(&self.record);
+                    if let Some(Err(e)) = whole.map(|(kind, body)| framed::check(kind, body)) {
+                        return self.cut(&e);
+                    }
+                    hand(&mut self.reader, &self.record);
+                    self.read += self.record.len() as u64;
                     continue;
                 }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    mcap::parse_record(opcode, data).map(Record::into_owned)
+                    // a record in a chunk has not been looked at
+                    framed::check(opcode, data).and_then(|()| mcap::parse_record(opcode, data)).map(Record::into_owned)
                 }
             };
             self.used = self.read;
@@ -223,6 +233,14 @@ impl Iterator for Source {
         }
         None
     }
+}
+
+/// Hands bytes to the reader; none at the end of the file.
+fn hand(reader: &mut LinearReader, bytes: &[u8]) {
+    if let Some(to) = reader.insert(bytes.len()).get_mut(..bytes.len()) {
+        to.copy_from_slice(bytes);
+    }
+    reader.notify_read(bytes.len());
 }
 
 /// What is wrong with a message.

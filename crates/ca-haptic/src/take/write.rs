@@ -21,6 +21,7 @@ use crate::guard::Order;
 use crate::record::Record;
 use crate::version::Version;
 use ca_core::Scene;
+use ca_io::atomic_file::new_file;
 use ca_io::error::{FileError, FileErrorKind};
 use channels::{DeviceChannels, Ids};
 use mcap::records::MessageHeader;
@@ -84,7 +85,7 @@ impl TakeWriter {
     /// Where the file cannot be written.
     pub fn create(path: impl AsRef<Path>, header: &Header, scene: &Scene) -> Result<TakeWriter, FileError> {
         let path = path.as_ref().to_owned();
-        let file = File::options().write(true).create_new(true).open(&path).map_err(|e| {
+        let file = new_file(&path, 0o600).map_err(|e| {
             let fix = match e.kind() {
                 std::io::ErrorKind::AlreadyExists => "give another name: takes are never overwritten",
                 std::io::ErrorKind::NotFound => "make the directory first",

@@ -150,9 +150,14 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, happened) = std::sync::mpsc::channel();
-    let running =
-        Gateway::start(&place.site, &names, Rings { incoming, outgoing, events }, ca_haptic::rt::RtRequest::default())
-            .unwrap();
+    let running = Gateway::start(
+        &place.site,
+        &names,
+        Rings { incoming, outgoing, events },
+        ca_haptic::rt::RtRequest::default(),
+        Duration::ZERO,
+    )
+    .unwrap();
     let mut devices: Vec<_> = names.iter().map(|n| DeviceClient::open(&place.site, about(n, 24)).unwrap()).collect();
     let mut frames = names.map(|n| DeviceFrame::new(n, 24));
     let (mut got, mut seq) = ([0_u64; 5], 0);
@@ -214,6 +219,7 @@ fn a_ring_that_is_full_is_counted_and_nobody_waits() {
         &["key"],
         Rings { incoming, outgoing, events },
         ca_haptic::rt::RtRequest::default(),
+        Duration::ZERO,
     )
     .unwrap();
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
@@ -242,6 +248,7 @@ fn every_ping_comes_back_with_its_number() {
         &["key"],
         Rings { incoming, outgoing, events },
         ca_haptic::rt::RtRequest::default(),
+        Duration::ZERO,
     )
     .unwrap();
     let over = std::sync::atomic::AtomicBool::new(false);
@@ -316,4 +323,53 @@ fn frames_without_a_degree_of_freedom_are_named() {
         events.iter().any(|(_, e)| *e == Event::Foreign(FrameMismatch::Size(0)))
     });
     assert_eq!(server.got[0], 0, "none of them is used");
+}
+
+/// Two servers wait for one device. The first gets it; the second names the first, and gets it when the first ends.
+#[test]
+fn a_device_is_claimed_when_it_speaks_and_is_kept() {
+    let place = place();
+    let start = |after| {
+        let (incoming, from) = rtrb::RingBuffer::new(64);
+        let (to, outgoing) = rtrb::RingBuffer::new(64);
+        let (events, happened) = std::sync::mpsc::channel();
+        let rings = Rings { incoming, outgoing, events };
+        let request = ca_haptic::rt::RtRequest::default();
+        (Gateway::start(&place.site, &["key"], rings, request, after).unwrap(), from, to, happened)
+    };
+    let (second, mut to_second, mut of_second, told_second) = start(Duration::from_millis(300));
+    let (first, mut to_first, mut of_first, told_first) = start(Duration::ZERO);
+    let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
+    let mut frame = DeviceFrame::new("key", 1);
+    let mut force = ForceFrame::new("key", 1);
+    let mut told = Vec::new();
+    let mut got = 0;
+    until("the second names the first", || {
+        device.send(&mut frame).unwrap();
+        force.seq += 1;
+        for (session, to) in [(1, &mut of_first), (2, &mut of_second)] {
+            (force.session, force.ttl_us) = (session, 5000);
+            let _ = to.push((0, force));
+        }
+        while let Some(f) = device.force() {
+            assert_eq!(f.session, 1, "one server gives forces");
+            got += 1;
+        }
+        while to_first.pop().is_ok() {}
+        told.extend(told_second.try_iter());
+        std::thread::sleep(Duration::from_millis(1));
+        !told.is_empty() && got > 10
+    });
+    let me = format!("process {}", std::process::id());
+    assert!(matches!(&told[..], [(0, Event::Taken(who))] if who.contains("`key`") && who.contains(&me)), "{told:?}");
+    assert!(told_first.try_iter().any(|e| matches!(e, (0, Event::Here { .. }))));
+    assert!(to_second.pop().is_err(), "the second hears nothing of it");
+    drop(first);
+    until("the second has it", || {
+        device.send(&mut frame).unwrap();
+        std::thread::sleep(Duration::from_millis(1));
+        to_second.pop().is_ok()
+    });
+    assert!(told_second.try_iter().any(|e| matches!(e, (0, Event::Here { .. }))));
+    drop(second);
 }

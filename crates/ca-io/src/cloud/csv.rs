@@ -1,32 +1,36 @@
 //! CSV clouds: a point in each row, `x,y,z`, after a header or without one.
 //!
 //! Decides that a first row which is not three numbers is a header, and that a header may hold other columns beside
-//! `x`, `y` and `z`. Lines beginning with `#` are comments. There are no edges: a model joins what is near by `reach`.
+//! `x`, `y` and `z`. Each row has as many cells as the first one: `0,1,0,0` for three numbers with decimal commas is refused.
+//! It ignores a comma at the end of a row, and blank lines. Lines beginning with `#` are comments. There are no edges: a model
+//! joins what is near by `reach`.
 
 use super::Drawing;
-use crate::error::{FileError, lower, shown};
-use ::csv::{ByteRecord, ReaderBuilder, Trim};
+use crate::error::{FileError, shown};
+use crate::gesture::csv::Rows;
+use ::csv::ByteRecord;
+
+/// The fix of a row with a wrong number of cells.
+const COLUMNS: &str = "separate columns by commas and write decimals with a point";
 
 /// Reads a CSV cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
-    let mut rows = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .comment(Some(b'#'))
-        .trim(Trim::All)
-        .from_reader(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
-    let (mut d, mut columns, mut row) = (Drawing::default(), None, ByteRecord::new());
-    loop {
-        let more = rows.read_byte_record(&mut row);
-        if !more.map_err(|e| FileError::format(lower(&e.to_string())))? {
-            return Ok(d);
+    let mut rows = Rows::new(bytes);
+    let (mut d, mut columns, mut width) = (Drawing::default(), None, 0);
+    while let Some((line, mut row)) = rows.next()? {
+        // a comma at the end begins no column
+        if row.iter().next_back().is_some_and(<[u8]>::is_empty) && (columns.is_none() || row.len() == width + 1) {
+            row.truncate(row.len() - 1);
         }
-        let line = row.position().map_or(0, ::csv::Position::line);
+        if columns.is_some() && row.len() > width {
+            let e = FileError::content(format!("{} cells where the first row has {width}", row.len()));
+            return Err(e.at(format!("line {line}")).fix(COLUMNS));
+        }
         let [x, y, z] = if let Some(known) = columns {
             known
         } else {
             let (found, named) = header(&row, line)?;
-            columns = Some(found);
+            (columns, width) = (Some(found), row.len());
             if named {
                 continue;
             }
@@ -35,6 +39,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
         d.points.push([number(&row, x, line)?, number(&row, y, line)?, number(&row, z, line)?]);
         super::not_too_many(d.points.len())?;
     }
+    Ok(d)
 }
 
 /// The columns of x, y and z, and whether this row named them.
@@ -47,7 +52,7 @@ fn header(row: &ByteRecord, line: u64) -> Result<([usize; 3], bool), FileError> 
         return Ok(([x, y, z], true));
     }
     let e = FileError::content("the first row is neither three numbers nor a header with `x`, `y` and `z`");
-    Err(e.at(format!("line {line}")).fix("separate columns by commas and write decimals with a point"))
+    Err(e.at(format!("line {line}")).fix(COLUMNS))
 }
 
 fn number(row: &ByteRecord, column: usize, line: u64) -> Result<f64, FileError> {

@@ -9,7 +9,7 @@ mod csv;
 mod obj;
 mod ply;
 
-use crate::error::FileError;
+use crate::error::{FileError, FileErrorKind};
 use crate::reading;
 use ca_core::Catalog;
 use ca_core::kind::Type;
@@ -67,8 +67,11 @@ pub fn named<'m>(model: &'m Model, catalog: &Catalog) -> BTreeSet<&'m String> {
 pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
     let read = |name: &String| {
         open(folder.join(name)).map(Arc::new).map_err(|e| {
-            let help =
-                if e.fix.is_empty() { "the path starts from the folder of the model".into() } else { e.fix.clone() };
+            let help = match (e.fix.as_str(), e.kind) {
+                ("", FileErrorKind::Io) => "the path starts from the folder of the model".into(),
+                ("", _) => "export it anew".into(),
+                (fix, _) => fix.to_owned(),
+            };
             Unread { what: FileError { fix: String::new(), ..e }.to_string(), help }
         })
     };
@@ -87,6 +90,14 @@ pub fn write_obj(cloud: &Cloud) -> String {
 /// With the line, where the text is no OBJ.
 pub fn read_obj(text: &[u8]) -> Result<Cloud, FileError> {
     obj::read(text).and_then(|d| cloud(&d))
+}
+
+/// The fix of a decimal comma.
+const POINT: &str = "write decimals with a point, as in `0.1`";
+
+/// The lines of a text, whichever way they end: `\n`, `\r\n`, or `\r` alone.
+fn lines(text: &str) -> impl Iterator<Item = &str> {
+    text.split('\n').flat_map(|l| l.strip_suffix('\r').unwrap_or(l).split('\r'))
 }
 
 /// Refuses more points than a model holds.

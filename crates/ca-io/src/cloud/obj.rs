@@ -1,19 +1,26 @@
 //! OBJ clouds: `v x y z`, `f` and `l` with numbers of points from 1, or from −1 backwards.
 //!
-//! Decides to read these three words itself and to pass over all others. The libraries there are (tobj, obj-rs) make
-//! arrays for a renderer: they drop points no face uses and put the others in the order of their use, so that `bell[17]`
-//! would not be the point 17 of the drawing.
+//! This module reads these three words itself and ignores all others, because the libraries make arrays for a renderer: tobj and
+//! obj-rs drop points that no face uses and sort the others by their first use, so that `bell[17]` would not be point 17 of the
+//! drawing; obj keeps 32 bits of a coordinate.
 
 use super::Drawing;
-use crate::error::FileError;
+use crate::error::{FileError, shown};
 
 /// Reads an OBJ cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
     let mut d = Drawing::default();
-    for (i, line) in text.lines().enumerate() {
-        let line = line.split('#').next().unwrap_or("");
-        let mut words = line.split_whitespace();
+    let mut lines = super::lines(&text).map(|l| l.split('#').next().unwrap_or("").trim_end()).enumerate();
+    while let Some((i, mut line)) = lines.next() {
+        let mut joined = String::new();
+        // `\` at its end: the next line goes on with it
+        while let Some(begun) = line.strip_suffix('\\') {
+            joined.extend([begun, " "]);
+            line = lines.next().map_or("", |l| l.1);
+        }
+        joined.push_str(line);
+        let mut words = joined.split_whitespace();
         let wrong = |what: String, fix: &str| Err(FileError::content(what).at(format!("line {}", i + 1)).fix(fix));
         let key = words.next();
         match key {
@@ -26,9 +33,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
                         let what = if word.is_empty() {
                             "a number is missing".into()
                         } else {
-                            format!("`{word}` is not a number")
+                            format!("`{}` is not a number", shown(word))
                         };
-                        return wrong(what, "a point is `v x y z`");
+                        let comma = word.contains(',');
+                        return wrong(what, if comma { super::POINT } else { "a point is `v x y z`" });
                     }
                 }
                 d.points.push(p);
@@ -42,7 +50,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
                     let at = if n < 0 { d.points.len() as i64 + n } else { n - 1 };
                     match u32::try_from(at) {
                         Ok(at) if (at as usize) < d.points.len() => corners.push(at),
-                        _ => return wrong(format!("`{word}` is no point"), "points count from 1, and stand above"),
+                        _ => {
+                            let what = format!("`{}` is not a point", shown(word));
+                            return wrong(what, "points count from 1, and stand above");
+                        }
                     }
                 }
                 if key == Some("f") { d.faces.push(corners) } else { d.lines.push(corners) }

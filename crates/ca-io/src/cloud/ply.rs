@@ -1,10 +1,16 @@
-//! PLY clouds: elements `vertex` (x, y, z), `face` (vertex_indices or vertex_index) and `edge` (vertex1, vertex2), as
-//! text or binary of either byte order; other elements and properties are passed over.
+//! PLY clouds: elements `vertex` (x, y, z), `face` and `tristrips` (vertex_indices or vertex_index) and `edge` (vertex1,
+//! vertex2), as text or binary of either byte order; other elements and properties are passed over.
+//!
+//! Other programs write a byte order mark, blank lines, comments in Latin-1 and lines that end in a carriage return alone. The library
+//! refuses all of these, so this module removes them first. Its messages show its parser; the messages here are our own.
 
 use super::Drawing;
-use crate::error::{FileError, FileErrorKind, lower};
+use crate::error::{FileError, FileErrorKind, lower, shown};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use ply_rs_bw::ply::{ElementDef, Property, PropertyAccess, PropertyAccessResult};
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::{ErrorKind, Read as _};
 
 /// One element, whichever it is.
 #[derive(Default)]
@@ -17,9 +23,18 @@ struct Element {
 /// What no point has as its number.
 const NOBODY: u32 = u32::MAX;
 
+/// −1, which begins a new strip.
+const NEXT: u32 = u32::MAX - 1;
+
 /// A number of a point; what cannot be one is refused later, with the others that name no point.
 fn index(v: f64) -> u32 {
-    if v >= 0.0 && v < f64::from(NOBODY) { v as u32 } else { NOBODY }
+    if v >= 0.0 && v < f64::from(NEXT) {
+        v as u32
+    } else if v == -1.0 {
+        NEXT
+    } else {
+        NOBODY
+    }
 }
 
 fn scalar(p: &Property) -> Option<f64> {
@@ -69,16 +84,108 @@ impl PropertyAccess for Element {
     }
 }
 
+/// The file in the form that the library reads.
+struct Tidy<'b> {
+    header: String,
+    payload: Cow<'b, [u8]>,
+    /// of text, the line of the file that each line of `payload` was
+    lines: Vec<usize>,
+}
+
+impl Tidy<'_> {
+    fn of(bytes: &[u8]) -> Tidy<'_> {
+        let mut rest = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        let first = rest.iter().position(|b| matches!(b, b'\n' | b'\r'));
+        let end = match first.and_then(|at| rest.get(at..)) {
+            Some([b'\r', b'\n', ..]) | None => b'\n',
+            Some(all) => all[0],
+        };
+        let (mut header, mut lines, mut ascii) = (String::new(), Vec::new(), false);
+        let mut n = 0;
+        while !rest.is_empty() {
+            let at = rest.iter().position(|b| *b == end).map_or(rest.len(), |at| at + 1);
+            let (line, after) = rest.split_at(at);
+            rest = after;
+            n += 1;
+            let line = String::from_utf8_lossy(line);
+            let line = line.trim();
+            let word = line.split_whitespace().next().unwrap_or("comment");
+            let _ = writeln!(header, "{}", if matches!(word, "comment" | "obj_info") { "comment" } else { line });
+            ascii |= word == "format" && line.contains("ascii");
+            if word == "end_header" {
+                break;
+            }
+        }
+        if !ascii {
+            return Tidy { header, payload: rest.into(), lines };
+        }
+        let mut payload = String::with_capacity(rest.len());
+        for line in super::lines(&String::from_utf8_lossy(rest)) {
+            n += 1;
+            if !line.trim().is_empty() {
+                payload.extend([line, "\n"]);
+                lines.push(n);
+            }
+        }
+        Tidy { header, payload: payload.into_bytes().into(), lines }
+    }
+
+    /// A line by its number to the library: that in the file, and its text.
+    fn line(&self, n: usize) -> Option<(usize, Cow<'_, str>)> {
+        let above = self.header.lines().count();
+        if n <= above {
+            return Some((n, self.header.lines().nth(n.checked_sub(1)?)?.into()));
+        }
+        let at = n - above - 1;
+        let text = self.payload.split(|b| *b == b'\n').nth(at)?;
+        Some((*self.lines.get(at)?, String::from_utf8_lossy(text)))
+    }
+
+    /// The error, in the header or in an element.
+    fn wrong(&self, e: &ParseError, element: Option<&ElementDef>) -> FileError {
+        const ANEW: &str = "export it anew, as text or binary PLY";
+        let (what, fix) = match (element, e.line().and_then(|n| self.line(n))) {
+            (Some(element), _) if e.kind() == ErrorKind::UnexpectedEof => {
+                (format!("it ends before all {} of its `{}`", element.count, element.name), ANEW)
+            }
+            (None, _) if e.kind() == ErrorKind::UnexpectedEof => ("its header has no `end_header`".into(), ANEW),
+            (element, Some((n, text))) => {
+                let comma = |word: &&str| word.contains(',') && word.replace(',', ".").parse::<f64>().is_ok();
+                let (what, fix) = match (element, text.split_whitespace().find(comma)) {
+                    (Some(_), Some(word)) => (format!("`{}` is not a number", shown(word)), super::POINT),
+                    (Some(element), None) => {
+                        let names: Vec<&str> = element.properties.keys().map(String::as_str).collect();
+                        let has = format!("a `{}`, which has {}", element.name, names.join(", "));
+                        (format!("`{}` is not {has}", shown(text.trim())), ANEW)
+                    }
+                    (None, _) if n == 1 => (format!("`{}` is not `ply`", shown(&text)), ANEW),
+                    (None, _) => (format!("`{}` is not a line of a header", shown(&text)), ANEW),
+                };
+                return FileError::new(FileErrorKind::Format, what).at(format!("line {n}")).fix(fix);
+            }
+            (_, None) => {
+                let text = e.to_string();
+                let first = text.lines().next().unwrap_or("").trim_end_matches('.');
+                let first = first.split_once(": ").filter(|_| e.line().is_some()).map_or(first, |t| t.1);
+                (lower(&shown(first)), ANEW)
+            }
+        };
+        FileError::new(FileErrorKind::Format, what).fix(fix)
+    }
+}
+
+/// The triangles of a strip: each corner with the two before it. A triangle without area turns the strip, and is none.
+fn triangles(strip: &[u32]) -> impl Iterator<Item = Vec<u32>> {
+    let whole = |t: &&[u32]| t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
+    strip.split(|c| *c == NEXT).flat_map(move |s| s.windows(3).filter(whole).map(<[u32]>::to_vec))
+}
+
 /// Reads a PLY cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
-    let wrong = |e: &ParseError| {
-        let text = e.to_string();
-        let text = text.split_once(": ").filter(|_| e.line().is_some()).map_or(text.as_str(), |t| t.1);
-        let error = FileError::new(FileErrorKind::Format, lower(text));
-        e.line().map_or(error.clone(), |l| error.at(format!("line {l}")))
-    };
-    let (mut reader, parser) = (Reader::new(bytes), Parser::<Element>::new());
-    let header = parser.read_header(&mut reader).map_err(|e| wrong(&e))?;
+    let tidy = Tidy::of(bytes);
+    let mut reader = Reader::new(tidy.header.as_bytes().chain(&tidy.payload[..]));
+    let parser = Parser::<Element>::new();
+    let header = parser.read_header(&mut reader).map_err(|e| tidy.wrong(&e, None))?;
     let mut d = Drawing::default();
     for (name, element) in &header.elements {
         if name == "vertex" {
@@ -87,10 +194,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
                 return Err(FileError::content(format!("its points have no `{missing}`")).fix("export x, y and z"));
             }
         }
-        let all = parser.read_payload_for_element(&mut reader, element, &header).map_err(|e| wrong(&e))?;
+        let all = parser.read_payload_for_element(&mut reader, element, &header);
+        let all = all.map_err(|e| tidy.wrong(&e, Some(element)))?;
         match name.as_str() {
             "vertex" => d.points = all.into_iter().map(|e| e.place).collect(),
-            "face" => d.faces = all.into_iter().map(|e| e.corners).collect(),
+            "face" => d.faces.extend(all.into_iter().map(|e| e.corners)),
+            "tristrips" => d.faces.extend(all.iter().flat_map(|e| triangles(&e.corners))),
             "edge" => d.lines = all.into_iter().map(|e| e.ends.to_vec()).collect(),
             _ => {}
         }

@@ -10,7 +10,7 @@
 //!
 //! Decides that time \[s\] stands in every line, rather than a rate in the header: a hand needs three lines for a key
 //! stroke, not three thousand. A blank cell means that this column has nothing to say at that time, so it is
-//! interpolated between its neighbours. Lines beginning with `#` are comments. Time may stand still (a jump) but not
+//! interpolated between its neighbours. A line of blanks says nothing, and a comma at the end of a line begins no column. Lines beginning with `#` are comments. Time may stand still (a jump) but not
 //! run backwards. Only commas separate and only points are decimal: guessing would turn `1,5` into two columns.
 
 use super::{Gesture, LONGEST, Track};
@@ -27,7 +27,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     let names = header(line, &head)?;
     let mut columns: Vec<Vec<(f64, f64)>> = vec![Vec::new(); names.len()];
     let mut before = f64::NEG_INFINITY;
-    while let Some((line, row)) = rows.next()? {
+    while let Some((line, mut row)) = rows.next()? {
+        if row.len() == names.len() + 2 && row.iter().next_back().is_some_and(<[u8]>::is_empty) {
+            row.truncate(names.len() + 1);
+        }
         if row.len() != names.len() + 1 {
             let e = FileError::content(format!("{} where the header has {}", cells(row.len()), names.len() + 1));
             return Err(e.at(format!("line {line}")).fix("leave a cell blank, between commas, to interpolate"));
@@ -65,7 +68,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
 /// The names after `time`.
 fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
     let mut names: Vec<String> = Vec::with_capacity(head.len());
-    for (c, cell) in head.iter().enumerate() {
+    // a comma at the end begins no column
+    let blank_end = head.len() > 1 && head.iter().next_back().is_some_and(<[u8]>::is_empty);
+    for (c, cell) in head.iter().take(head.len() - usize::from(blank_end)).enumerate() {
         let at = format!("line {line}, column {}", c + 1);
         let name = std::str::from_utf8(cell)
             .map_err(|_| FileError::content("the name is not UTF-8").at(&at).fix("save the file as UTF-8"))?;
@@ -123,8 +128,8 @@ fn number(line: u64, column: usize, name: &str, cell: &[u8]) -> Result<Option<f6
     }
 }
 
-/// Lines which are neither blank nor comments, with their numbers.
-struct Rows<'a> {
+/// Lines that are neither comments nor without a cell, with their numbers.
+pub(crate) struct Rows<'a> {
     reader: ::csv::Reader<&'a [u8]>,
     bytes: &'a [u8],
     row: ByteRecord,
@@ -133,20 +138,25 @@ struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(bytes: &'a [u8]) -> Rows<'a> {
+    /// Those of a file.
+    pub(crate) fn new(bytes: &'a [u8]) -> Rows<'a> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut builder = ReaderBuilder::new();
         builder.has_headers(false).flexible(true).trim(Trim::All).comment(Some(b'#'));
         Rows { reader: builder.from_reader(bytes), bytes, row: ByteRecord::new(), counted: (0, 1) }
     }
 
-    fn next(&mut self) -> Result<Option<(u64, ByteRecord)>, FileError> {
-        let more = self
-            .reader
-            .read_byte_record(&mut self.row)
-            .map_err(|e| FileError::new(FileErrorKind::Format, format!("it is not CSV: {}", lower(&e.to_string()))))?;
-        if !more {
-            return Ok(None);
+    /// The next line, and its number.
+    pub(crate) fn next(&mut self) -> Result<Option<(u64, ByteRecord)>, FileError> {
+        loop {
+            let more = self.reader.read_byte_record(&mut self.row);
+            let no_csv = |e: ::csv::Error| format!("it is not CSV: {}", lower(&e.to_string()));
+            if !more.map_err(|e| FileError::new(FileErrorKind::Format, no_csv(e)))? {
+                return Ok(None);
+            }
+            if !self.row.iter().all(<[u8]>::is_empty) {
+                break;
+            }
         }
         let start = self.row.position().map_or(0, ::csv::Position::byte) as usize;
         Ok(Some((self.line_of(start), self.row.clone())))
@@ -194,6 +204,11 @@ mod tests {
         // other line ends, a byte order mark, quotes, a last line without an end, a jump
         let g = read(b"\xef\xbb\xbftime,\"the key\"\r\n0,1\r\n1,1\r\n1,\"2\"").unwrap();
         assert_eq!(g.track("the key").unwrap().at(1.0), 2.0);
+        // commas at the ends of lines, of all or of some; lines of blanks and of commas
+        for text in ["time,key,\n0,0,\n0.5,1,\n", "time,key\n0,0,\n0.5,1\n", " \ntime,key\n0,0\n \t \n,,\n0.5,1\n  "] {
+            let g = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text:?}: {e}"));
+            assert_eq!((g.tracks().len(), g.track("key").unwrap().at(0.25)), (1, 0.5), "{text:?}");
+        }
     }
 
     #[test]
@@ -217,6 +232,8 @@ mod tests {
         says("time,key\n0,0\n,1\n", &["line 3", "time is blank"]);
         says("time,key\n0,0\n1\n", &["line 3", "1 cell where the header has 2"]);
         says("time,key\n0,0,7\n", &["line 2", "3 cells"]);
+        says("time,key,,\n0,0,,\n", &["line 1, column 3", "no name"]);
+        says("time,key\n  \n0,0,,\n", &["line 3", "4 cells"]);
         says("time,a,b\n0,1,\n1,2,\n", &["column 3 (`b`)", "all cells are blank"]);
         says("time,key\n0,1 mm\n", &["`1 mm`", "without a unit"]);
         says(&format!("\u{1b}[2J{}\n", "n".repeat(99)), &["`\\u{1b}[2Jnnn", "nnn…`, not `time`"]);

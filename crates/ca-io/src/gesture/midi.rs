@@ -10,14 +10,14 @@
 //! Times are exact: ticks and the tempo map are summed as integers, and divided once per event. A file that is cut
 //! short or malformed is an error; the parser below would drop the rest of a track without a word.
 
-use super::midi_port::{Glide, MidiPort};
+use super::midi_port::{Glide, MidiPort, Motion};
 use super::smf::{self, Event};
 use super::{Gesture, PortMap, Track};
 use crate::error::FileError;
 use ca_core::io::midi::{MidiMap, MidiSource};
 use ca_model::quantity::Plain;
 use midly::MidiMessage;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 /// Reads a Standard MIDI File for these ports.
 pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError> {
@@ -26,32 +26,42 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
         return Err(e.fix("give a port a `midi = { … }`, with the notes or the controller that move it"));
     }
     ports.iter().try_for_each(check)?;
-    let events = smf::events(bytes)?;
-    let mut port_tracks: Vec<PortTrack> = ports.iter().map(|p| PortTrack::new(&p.map)).collect();
+    let smf::Messages { events, mut remarks } = smf::messages(bytes)?;
+    let mut port_tracks: Vec<PortTrack> = MidiPort::all(ports).into_iter().map(PortTrack::new).collect();
+    let mut ignored = Vec::new();
     for e in &events {
+        if !port_tracks.iter().any(|f| f.port.follows(e.channel, e.message)) {
+            ignored.push(*e);
+        }
         for f in &mut port_tracks {
             f.event(e);
         }
     }
     if !port_tracks.iter().any(|f| f.touched) {
         let wanted: Vec<String> = ports.iter().map(|p| format!("`{}` ({})", p.port, wants(&p.map))).collect();
-        let e = FileError::content(format!("nothing in it moves {}: it has {}", list(&wanted), inventory(&events)));
+        let found = inventory(&events).unwrap_or_else(|| "no notes or controllers".into());
+        let e = FileError::content(format!("nothing in it moves {}: it has {}", list(&wanted), found));
         return Err(e.fix("change `midi` of a port to what the file has"));
     }
     let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
-    Ok(Gesture { unheard: unheard(&events, ports), ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
+    remarks.extend(unheard(&ignored));
+    // orders to a channel ask no port for anything
+    ignored.retain(|e| !matches!(e.message, MidiMessage::NoteOn { .. }) && !is_order(e.message));
+    remarks.extend(inventory(&ignored).map(|what| format!("no port follows {what}")));
+    Ok(Gesture { remarks, midi: true, ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
 }
 
-/// The notes that move no port, in words.
-fn unheard(events: &[Event], ports: &[PortMap]) -> Option<String> {
+/// True for an order to a whole channel, such as all notes off.
+fn is_order(message: MidiMessage) -> bool {
+    matches!(message, MidiMessage::Controller { controller, .. } if controller.as_int() >= 120)
+}
+
+/// The notes among ignored events, in words.
+fn unheard(ignored: &[Event]) -> Option<String> {
     let mut all: BTreeMap<u8, BTreeMap<u8, usize>> = BTreeMap::new();
-    for e in events {
+    for e in ignored {
         let MidiMessage::NoteOn { key, vel } = e.message else { continue };
-        let moves = |m: &MidiMap| {
-            let notes = matches!(m.source, MidiSource::Note { low, high } if (low..=high).contains(&key.as_int()));
-            notes && m.channel.is_none_or(|c| c == e.channel)
-        };
-        if vel > 0 && !ports.iter().any(|p| moves(&p.map)) {
+        if vel > 0 {
             *all.entry(e.channel).or_default().entry(key.as_int()).or_default() += 1;
         }
     }
@@ -85,42 +95,40 @@ fn check(p: &PortMap) -> Result<(), FileError> {
 struct PortTrack {
     port: MidiPort,
     points: Vec<(f64, f64)>,
-    /// the glide under way: start and end
-    glide: Option<((f64, f64), (f64, f64))>,
-    /// value when no glide is under way
+    /// straight ways to go, one after the other: from and to a time and a value
+    ways: VecDeque<[(f64, f64); 2]>,
+    /// value at rest
     rest: f64,
     touched: bool,
 }
 
 impl PortTrack {
-    fn new(map: &MidiMap) -> PortTrack {
-        let port = MidiPort::new(map);
-        PortTrack { rest: port.rest(), port, points: Vec::new(), glide: None, touched: false }
+    fn new(port: MidiPort) -> PortTrack {
+        PortTrack { rest: port.rest(), port, points: Vec::new(), ways: VecDeque::new(), touched: false }
     }
 
     fn event(&mut self, e: &Event) {
-        if let Some(Glide { to, over }) = self.port.event(e.channel, e.message) {
-            self.go(e.time, to, over);
+        let Some(Motion { lift, glide }) = self.port.event(e.channel, e.message) else { return };
+        self.touched = true;
+        let mut here = (e.time, self.settle(e.time));
+        self.push(here);
+        for Glide { to, over } in lift.into_iter().chain([glide]) {
+            let there = (here.0 + over, to);
+            self.ways.push_back([here, there]);
+            here = there;
         }
     }
 
-    /// From where the port is at `time` to `target`, in `over` seconds.
-    fn go(&mut self, time: f64, target: f64, over: f64) {
-        self.touched = true;
-        let here = self.settle(time);
-        self.push((time, here));
-        self.glide = Some(((time, here), (time + over, target)));
-    }
-
-    /// Ends the glide at `time` at the latest, and says where the port is then.
+    /// Goes on until `time`, leaves what is not done by then, and says where the port is.
     fn settle(&mut self, time: f64) -> f64 {
-        if let Some(((t0, a), (t1, b))) = self.glide.take() {
+        while let Some([(t0, a), (t1, b)]) = self.ways.pop_front() {
             if t1 <= time {
                 self.push((t1, b));
                 self.rest = b;
             } else {
                 let u = (time - t0) / (t1 - t0);
                 self.rest = a * (1.0 - u) + b * u;
+                self.ways.clear();
             }
         }
         self.rest
@@ -151,14 +159,15 @@ fn wants(m: &MidiMap) -> String {
     m.channel.map_or(what.clone(), |c| format!("{what}, channel {c}"))
 }
 
-/// What the file has, channel by channel.
-fn inventory(events: &[Event]) -> String {
+/// Lists these events by channel; `None` if a port can follow none of them.
+fn inventory(events: &[Event]) -> Option<String> {
     #[derive(Default)]
     struct Has {
         notes: Option<(u8, u8)>,
         controllers: BTreeSet<u8>,
         bend: bool,
         pressure: bool,
+        key_pressure: bool,
     }
     let mut channels: BTreeMap<u8, Has> = BTreeMap::new();
     for e in events {
@@ -173,6 +182,7 @@ fn inventory(events: &[Event]) -> String {
             }
             MidiMessage::PitchBend { .. } => has.bend = true,
             MidiMessage::ChannelAftertouch { .. } => has.pressure = true,
+            MidiMessage::Aftertouch { .. } => has.key_pressure = true,
             _ => {}
         }
     }
@@ -188,11 +198,12 @@ fn inventory(events: &[Event]) -> String {
         }
         parts.extend(has.bend.then(|| "pitch bend".to_owned()));
         parts.extend(has.pressure.then(|| "channel pressure".to_owned()));
+        parts.extend(has.key_pressure.then(|| "key pressure".to_owned()));
         if !parts.is_empty() {
             said.push(format!("{} on channel {channel}", list(&parts)));
         }
     }
-    if said.is_empty() { "no notes or controllers".to_owned() } else { said.join(", ") }
+    (!said.is_empty()).then(|| said.join(", "))
 }
 
 /// `a, b and c`.

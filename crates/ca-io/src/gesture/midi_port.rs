@@ -2,35 +2,74 @@
 //!
 //! Decides that a port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest
 //! still held; a key that is struck again while down is one key. One that notes do not bring back (`back = false`) goes to its other
-//! side with each. The sustain pedal is a controller like others.
-//! Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
+//! side with each. Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
+//!
+//! The sustain pedal (controller 64, down from 64 on) holds the notes of its channel in every model none of whose ports is moved
+//! by that controller itself. A port that the pedal alone holds comes up before the next note: it could not be struck where it is.
 
+use super::PortMap;
 use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
 use midly::MidiMessage;
 
-/// Where a port goes from wherever it is.
+/// Controllers that mean the same in every model.
+const SUSTAIN: u8 = 64;
+const ALL_SOUND_OFF: u8 = 120;
+const RESET_CONTROLLERS: u8 = 121;
+const ALL_NOTES_OFF: u8 = 123;
+
+/// A straight way from wherever the port is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glide {
-    /// its value there, in the unit of the port
+    /// the value at its end, in the unit of the port
     pub to: f64,
     /// the time that takes \[s\]
     pub over: f64,
+}
+
+/// The way of a port after an event.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// back to rest, before all else: where the pedal alone held the port
+    pub lift: Option<Glide>,
+    /// where it goes
+    pub glide: Glide,
+}
+
+/// A note that is held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Held {
+    channel: u8,
+    key: u8,
+    velocity: u8,
+    /// by its key; else by the pedal
+    pressed: bool,
+}
+
+impl Held {
+    fn is(self, channel: u8, key: u8) -> bool {
+        (self.channel, self.key) == (channel, key)
+    }
 }
 
 /// A port with the notes that are held on it.
 #[derive(Clone, Debug)]
 pub struct MidiPort {
     map: MidiMap,
-    /// notes held: channel, key, velocity; the newest last
-    held: Vec<(u8, u8, u8)>,
+    /// the newest last
+    held: Vec<Held>,
     /// where notes do not bring it back: it is at the far side
     far: bool,
+    /// whether the pedal holds notes in this model
+    sustains: bool,
+    /// a bit for each channel whose pedal is down
+    pedals: u32,
 }
 
 impl MidiPort {
-    /// With no note held.
-    pub fn new(map: &MidiMap) -> MidiPort {
-        MidiPort { map: *map, held: Vec::new(), far: false }
+    /// Those of a model, with no note held.
+    pub fn all(ports: &[PortMap]) -> Vec<MidiPort> {
+        let sustains = ports.iter().all(|p| p.map.source != MidiSource::Control(SUSTAIN));
+        ports.iter().map(|p| MidiPort { map: p.map, held: Vec::new(), far: false, sustains, pedals: 0 }).collect()
     }
 
     /// Where it stands before its first event: at `from`, a pitch bend midway.
@@ -38,60 +77,100 @@ impl MidiPort {
         if self.map.source == MidiSource::PitchBend { self.way(0.5) } else { self.map.from }
     }
 
-    /// An event on a channel, from 1; `None` where the port stays where it goes.
-    pub fn event(&mut self, channel: u8, message: MidiMessage) -> Option<Glide> {
-        if self.map.channel.is_some_and(|c| c != channel) {
-            return None;
-        }
-        match (self.map.source, message) {
-            (MidiSource::Note { low, high }, MidiMessage::NoteOn { key, vel }) => {
-                let key = key.as_int();
-                if !(low..=high).contains(&key) {
-                    return None;
-                }
-                if vel == 0 {
-                    return self.release(|n| (n.0, n.1) == (channel, key));
-                }
-                self.held.retain(|n| (n.0, n.1) != (channel, key));
-                self.held.push((channel, key, vel.as_int()));
-                if !self.map.back {
-                    self.far = !self.far;
-                }
-                Some(self.note(vel.as_int()))
+    /// True if the port follows events of this kind on a channel, from 1. This event may leave it where it is.
+    pub fn follows(&self, channel: u8, message: MidiMessage) -> bool {
+        self.map.channel.is_none_or(|c| c == channel)
+            && match (self.map.source, message) {
+                (
+                    MidiSource::Note { low, high },
+                    MidiMessage::NoteOn { key, .. } | MidiMessage::NoteOff { key, .. },
+                ) => (low..=high).contains(&key.as_int()),
+                (MidiSource::Note { .. }, MidiMessage::Controller { controller, .. }) => match controller.as_int() {
+                    SUSTAIN => self.sustains && self.map.back,
+                    n => matches!(n, ALL_SOUND_OFF | RESET_CONTROLLERS | ALL_NOTES_OFF),
+                },
+                (MidiSource::Control(n), MidiMessage::Controller { controller, .. }) => controller == n,
+                (MidiSource::Pressure, MidiMessage::ChannelAftertouch { .. })
+                | (MidiSource::PitchBend, MidiMessage::PitchBend { .. }) => true,
+                _ => false,
             }
-            (MidiSource::Note { .. }, MidiMessage::NoteOff { key, .. }) => {
-                self.release(|n| (n.0, n.1) == (channel, key.as_int()))
-            }
-            // all sound off, all notes off
-            (MidiSource::Note { .. }, MidiMessage::Controller { controller, .. })
-                if matches!(controller.as_int(), 120 | 123) =>
-            {
-                self.release(|n| n.0 == channel)
-            }
-            (MidiSource::Control(n), MidiMessage::Controller { controller, value }) if controller == n => {
-                Some(self.go(value.as_int()))
-            }
-            (MidiSource::Pressure, MidiMessage::ChannelAftertouch { vel }) => Some(self.go(vel.as_int())),
-            (MidiSource::PitchBend, MidiMessage::PitchBend { bend }) => {
-                let b = f64::from(bend.0.as_int()) - 8192.0;
-                let to = self.way(0.5 + 0.5 * b / if b < 0.0 { 8192.0 } else { 8191.0 });
-                Some(Glide { to, over: self.map.attack })
-            }
-            _ => None,
-        }
     }
 
-    /// Lets go of some notes; if the newest is among them, back to the newest still held, or to rest.
-    fn release(&mut self, gone: impl Fn(&(u8, u8, u8)) -> bool) -> Option<Glide> {
+    /// An event on a channel, from 1; `None` where the port stays where it goes.
+    pub fn event(&mut self, channel: u8, message: MidiMessage) -> Option<Motion> {
+        if !self.follows(channel, message) {
+            return None;
+        }
+        let glide = match message {
+            MidiMessage::NoteOn { key, vel } if vel > 0 => {
+                return Some(self.strike(channel, key.as_int(), vel.as_int()));
+            }
+            MidiMessage::NoteOn { key, .. } | MidiMessage::NoteOff { key, .. } => {
+                self.let_go(channel, |n| n.is(channel, key.as_int()))?
+            }
+            MidiMessage::Controller { controller, value } => match (self.map.source, controller.as_int()) {
+                (MidiSource::Control(_), _) => self.go(value.as_int()),
+                (_, SUSTAIN) => self.pedal(channel, value >= 64)?,
+                (_, RESET_CONTROLLERS) => self.pedal(channel, false)?,
+                (_, ALL_NOTES_OFF) => self.let_go(channel, |n| n.channel == channel)?,
+                _ => self.release(|n| n.channel == channel)?,
+            },
+            MidiMessage::ChannelAftertouch { vel } => self.go(vel.as_int()),
+            MidiMessage::PitchBend { bend } => {
+                let b = f64::from(bend.0.as_int()) - 8192.0;
+                let to = self.way(0.5 + 0.5 * b / if b < 0.0 { 8192.0 } else { 8191.0 });
+                Glide { to, over: self.map.attack }
+            }
+            _ => return None,
+        };
+        Some(Motion { lift: None, glide })
+    }
+
+    fn strike(&mut self, channel: u8, key: u8, velocity: u8) -> Motion {
+        let sustained = !self.held.is_empty() && self.held.iter().all(|n| !n.pressed);
+        self.held.retain(|n| !n.is(channel, key));
+        self.held.push(Held { channel, key, velocity, pressed: true });
+        if !self.map.back {
+            self.far = !self.far;
+        }
+        Motion { lift: (sustained && self.map.back).then(|| self.up()), glide: self.note(velocity) }
+    }
+
+    /// Keys come up: the pedal goes on to hold their notes.
+    fn let_go(&mut self, channel: u8, up: impl Fn(&Held) -> bool) -> Option<Glide> {
+        if (self.pedals >> channel) & 1 == 0 {
+            return self.release(up);
+        }
+        self.held.iter_mut().filter(|n| up(n)).for_each(|n| n.pressed = false);
+        None
+    }
+
+    fn pedal(&mut self, channel: u8, down: bool) -> Option<Glide> {
+        let bit = 1_u32 << channel;
+        if down {
+            self.pedals |= bit;
+            return None;
+        }
+        self.pedals &= !bit;
+        self.release(|n| n.channel == channel && !n.pressed)
+    }
+
+    /// Ends some notes; if the newest is among them, back to the newest still held, or to rest.
+    fn release(&mut self, gone: impl Fn(&Held) -> bool) -> Option<Glide> {
         let newest = self.held.last().copied();
         self.held.retain(|n| !gone(n));
         if newest == self.held.last().copied() || !self.map.back {
             return None;
         }
         Some(match self.held.last() {
-            Some(n) => self.note(n.2),
-            None => Glide { to: self.map.from, over: self.map.release },
+            Some(n) => self.note(n.velocity),
+            None => self.up(),
         })
+    }
+
+    /// Back to rest.
+    fn up(&self) -> Glide {
+        Glide { to: self.map.from, over: self.map.release }
     }
 
     /// Where a note of this velocity brings it, from 1 on.

@@ -70,6 +70,66 @@ fn running_status_and_velocity_0() {
 }
 
 #[test]
+fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark() {
+    let plain = file(0, MS, &[&[(0, &[0x90, 60, 127]), (1000, &[0x90, 60, 0])]]);
+    let plain = read(&plain, &[key()]).unwrap();
+    for between in [&[0xff, 1, 1, 0x41][..], &[0xf0, 5, 0x7e, 0x7f, 9, 1, 0xf7], &[0xf7, 1, 0x41]] {
+        let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127]), (0, between), (1000, &[60, 0])]]), &[key()]).unwrap();
+        assert_eq!(g.tracks(), plain.tracks());
+        let [remark] = g.remarks() else { panic!("{:?}", g.remarks()) };
+        assert!(remark.starts_with("running status goes on 1 times"), "{remark}");
+    }
+    // an event with a status byte needs no remark
+    let events: &[(u32, &[u8])] = &[(0, &[0x90, 60, 127]), (0, &[0xff, 1, 1, 0x41]), (1000, &[0x90, 60, 0])];
+    assert_eq!(read(&file(0, MS, &[events]), &[key()]).unwrap(), plain);
+    // another track begins without a status
+    let tracks: [&[(u32, &[u8])]; 2] = [&[(0, &[0x90, 60, 127])], &[(0, &[0xff, 1, 1, 0x41]), (0, &[60, 0])]];
+    assert!(read(&file(1, MS, &tracks), &[key()]).is_err());
+}
+
+#[test]
+fn all_tracks_are_read_whatever_the_header_announces() {
+    let one: &[(u32, &[u8])] = &[(0, HIT)];
+    let two: &[(u32, &[u8])] = &[(500, HIT)];
+    let mut bytes = file(1, MS, &[one, two]);
+    assert!(read(&bytes, &[key()]).unwrap().remarks().is_empty());
+    bytes[11] = 1;
+    assert_eq!(times(&bytes), [0.0, 0.5]);
+    let g = read(&bytes, &[key()]).unwrap();
+    assert_eq!(g.remarks(), ["its header announces 1 of its 2 tracks; all are read"]);
+    // no track, but what a program left behind the last one
+    bytes.extend(*b"TAG\0\xff\xff\xff\xff\x01");
+    assert_eq!(times(&bytes), [0.0, 0.5]);
+    bytes[11] = 3;
+    assert!(read(&bytes, &[key()]).is_err());
+}
+
+#[test]
+fn a_file_in_a_riff_container_is_read() {
+    let plain = file(0, MS, &[&[(0, HIT), (1000, HIT)]]);
+    let wrap = |form: &[u8], chunks: &[(&[u8], &[u8])]| {
+        let mut b = form.to_vec();
+        for (id, body) in chunks {
+            b.extend(*id);
+            b.extend((body.len() as u32).to_le_bytes());
+            b.extend(*body);
+            b.extend(&[0][..body.len() % 2]);
+        }
+        [b"RIFF", &(b.len() as u32).to_le_bytes()[..], &b].concat()
+    };
+    for chunks in [&[(&b"data"[..], &plain[..])][..], &[(b"DISP", b"odd"), (b"data", &plain)]] {
+        assert_eq!(times(&wrap(b"RMID", chunks)), times(&plain));
+    }
+    for bad in [wrap(b"WAVE", &[(b"data", &plain)]), wrap(b"RMID", &[(b"DISP", &plain)]), b"RIFF".to_vec()] {
+        assert_eq!(read(&bad, &[key()]).unwrap_err().kind, FileErrorKind::Format);
+    }
+    let whole = wrap(b"RMID", &[(b"data", &plain)]);
+    for missing in 2..whole.len() {
+        assert!(read(&whole[..whole.len() - missing], &[key()]).is_err(), "{missing} bytes short");
+    }
+}
+
+#[test]
 fn a_release_during_the_attack_starts_from_there() {
     let t = one(key(), &[(0, &[0x90, 60, 127]), (125, &[0x80, 60, 0])]);
     assert_eq!((t.at(0.125), t.at(0.375), t.at(0.625)), (1.5, 1.25, 1.0));
@@ -142,7 +202,7 @@ fn an_attack_of_0_is_a_jump() {
 
 /// Times at which note 60 is struck.
 fn times(bytes: &[u8]) -> Vec<f64> {
-    let hits = smf::events(bytes).unwrap();
+    let hits = smf::messages(bytes).unwrap().events;
     hits.iter().filter(|e| matches!(e.message, MidiMessage::NoteOn { .. })).map(|e| e.time).collect()
 }
 
@@ -182,7 +242,7 @@ fn smpte_time_knows_no_tempo() {
 fn tracks_merge_in_order_within_a_tick() {
     let one: &[(u32, &[u8])] = &[(10, &[0x90, 1, 1]), (0, &[0x90, 2, 1])];
     let two: &[(u32, &[u8])] = &[(5, &[0x90, 3, 1]), (5, &[0x90, 4, 1])];
-    let events = smf::events(&file(1, 96, &[one, two])).unwrap();
+    let events = smf::messages(&file(1, 96, &[one, two])).unwrap().events;
     let keys: Vec<u8> =
         events.iter().map(|e| if let MidiMessage::NoteOn { key, .. } = e.message { key.as_int() } else { 0 }).collect();
     assert_eq!(keys, [3, 1, 2, 4]);
@@ -283,7 +343,83 @@ fn notes_that_move_nothing_are_named() {
     let events: &[(u32, &[u8])] =
         &[(0, &[0x90, 60, 127]), (1, &[0x90, 40, 1]), (1, &[0x90, 40, 0]), (1, &[0x99, 36, 9]), (1, &[0x99, 36, 9])];
     let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
-    assert_eq!(g.unheard(), Some("3 notes move no port: 40 on channel 1; 36 on channel 10"));
+    assert_eq!(g.remarks(), ["3 notes move no port: 40 on channel 1; 36 on channel 10"]);
     let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127])]]), &[key()]).unwrap();
-    assert_eq!(g.unheard(), None);
+    assert!(g.remarks().is_empty());
+}
+
+#[test]
+fn the_pedal_holds_notes_until_it_is_up() {
+    // the pedal after the key, which comes up at 1 s; the pedal comes up at 2 s
+    let held: &[(u32, &[u8])] = &[
+        (0, &[0x90, 60, 127]),
+        (500, &[0xb0, 64, 64]),
+        (500, &[0x80, 60, 0]),
+        (500, &[0xb1, 64, 0]),
+        (500, &[0xb0, 64, 63]),
+    ];
+    let t = one(key(), held);
+    for (time, want) in [(0.25, 2.0), (1.25, 2.0), (2.0, 2.0), (2.25, 1.5), (2.5, 1.0)] {
+        assert_eq!(t.at(time), want, "at {time}");
+    }
+    // a key that is down when the pedal comes up stays so; all sound off ends what the pedal holds, all notes off does not
+    let pedal = |last: &[u8]| -> f64 {
+        one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, last), (500, &[0xb0, 64, 0])]).at(0.75)
+    };
+    assert_eq!([pedal(&[0xb0, 123, 0]), pedal(&[0xb0, 120, 0]), pedal(&[0xb0, 121, 0])], [2.0, 1.5, 2.0]);
+    let t = one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[0xb0, 64, 0])]);
+    assert_eq!(t.at(9.0), 2.0);
+    // a plectrum does not fall back, whatever the pedal does
+    let mut map = key();
+    map.map.back = false;
+    let events: &[(u32, &[u8])] = &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[60, 0])];
+    assert_eq!(one(map.clone(), events), one(map, &events[1..2]));
+}
+
+#[test]
+fn a_note_that_the_pedal_alone_holds_comes_up_before_the_next_one() {
+    let again: &[(u32, &[u8])] = &[
+        (0, &[0xb0, 64, 127]),
+        (0, &[0x90, 60, 127]),
+        (1000, &[0x80, 60, 0]),
+        (1000, &[0x90, 62, 64]),
+        (1000, &[0x80, 62, 0]),
+        (1000, &[0xb0, 64, 0]),
+    ];
+    let t = one(key(), again);
+    let there = velocity(64.0);
+    for (time, want) in [(2.0, 2.0), (2.25, 1.5), (2.5, 1.0), (2.75, there), (4.0, there), (4.5, 1.0)] {
+        assert_eq!(t.at(time), want, "at {time}");
+    }
+    // what comes meanwhile cuts it short
+    let t = one(key(), &[&again[..4], &[(250, &[0xb0, 120, 0][..])]].concat());
+    assert_eq!((t.at(2.25), t.at(2.75), t.at(9.0)), (1.5, 1.0, 1.0));
+}
+
+#[test]
+fn a_model_with_a_port_for_controller_64_has_no_pedal() {
+    let ports = [key(), port("damper", MidiSource::Control(64), None)];
+    let events: &[(u32, &[u8])] = &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[0x80, 60, 0])];
+    let g = read(&file(0, MS, &[events]), &ports).unwrap();
+    assert_eq!(g.tracks().iter().map(|t| t.at(9.0)).collect::<Vec<_>>(), [1.0, 2.0]);
+    assert!(g.remarks().is_empty());
+}
+
+#[test]
+fn what_no_port_follows_is_told() {
+    let events: &[(u32, &[u8])] = &[
+        (0, &[0x90, 60, 127]),
+        (0, &[0xb0, 64, 127]),
+        (0, &[0xb0, 7, 100]),
+        (0, &[0xb0, 123, 0]),
+        (0, &[0xe1, 0, 0]),
+        (0, &[0xd1, 5]),
+        (0, &[0xa1, 60, 5]),
+    ];
+    let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
+    let told = "no port follows controller 7 on channel 1, pitch bend, channel pressure and key pressure on channel 2";
+    assert_eq!(g.remarks(), [told]);
+    // a pedal is told where nothing can be held
+    let g = read(&file(0, MS, &[events]), &[port("x", MidiSource::Control(7), None)]).unwrap();
+    assert!(g.remarks()[1].starts_with("no port follows controller 64 on channel 1"), "{:?}", g.remarks());
 }

@@ -11,14 +11,14 @@
 //! | `.csv` | as the header says | column `time` \[s\] |
 //! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
 //! | `.wav` | `ch0`, `ch1`, … | its own rate |
-//! | `.mid`, `.midi` | as the ports it moves | its own tempo map |
+//! | `.mid`, `.midi`, `.smf`, `.kar`, `.rmi` | as the ports it moves | its own tempo map |
 
 use crate::error::{FileError, FileErrorKind, shown};
 use crate::reading;
 use ca_core::io::midi::MidiMap;
 use std::path::Path;
 
-mod csv;
+pub(crate) mod csv;
 mod midi;
 mod midi_port;
 mod npy;
@@ -27,7 +27,7 @@ mod smf;
 mod track;
 pub(crate) mod wav;
 
-pub use midi_port::{Glide, MidiPort};
+pub use midi_port::{Glide, MidiPort, Motion};
 pub(crate) use track::check_rate;
 pub use track::{Cursor, Curve, LONGEST, Track};
 
@@ -61,7 +61,7 @@ impl GestureFormat {
             "csv" => GestureFormat::Csv,
             "npy" => GestureFormat::Npy,
             "wav" | "wave" => GestureFormat::Wav,
-            "mid" | "midi" | "smf" => GestureFormat::Midi,
+            "mid" | "midi" | "smf" | "kar" | "rmi" => GestureFormat::Midi,
             _ => return None,
         })
     }
@@ -71,7 +71,8 @@ impl GestureFormat {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gesture {
     tracks: Vec<Track>,
-    unheard: Option<String>,
+    remarks: Vec<String>,
+    midi: bool,
 }
 
 impl Gesture {
@@ -89,7 +90,34 @@ impl Gesture {
                 return Err(e.fix("rename or remove one"));
             }
         }
-        Ok(Gesture { tracks, unheard: None })
+        Ok(Gesture { tracks, remarks: Vec::new(), midi: false })
+    }
+
+    /// Several gestures as one.
+    ///
+    /// # Errors
+    /// If two tracks have the same name.
+    pub fn together(all: impl IntoIterator<Item = Gesture>) -> Result<Gesture, FileError> {
+        let (mut tracks, mut remarks, mut midi) = (Vec::new(), Vec::new(), false);
+        for g in all {
+            tracks.extend(g.tracks);
+            remarks.extend(g.remarks);
+            midi |= g.midi;
+        }
+        Ok(Gesture { remarks, midi, ..Gesture::new(tracks)? })
+    }
+
+    /// Its only track, called `name`; `None` where it has several.
+    pub fn named(self, name: &str) -> Option<Gesture> {
+        let [one] = &self.tracks[..] else { return None };
+        let tracks = vec![one.clone().named(name)];
+        Some(Gesture { tracks, ..self })
+    }
+
+    /// As one from a MIDI file, or as one that is not.
+    #[must_use]
+    pub fn as_midi(self, midi: bool) -> Gesture {
+        Gesture { midi, ..self }
     }
 
     /// Reads the file at `path` in the format its extension stands for.
@@ -122,7 +150,7 @@ impl Gesture {
         rate: Option<f64>,
     ) -> Result<Gesture, FileError> {
         if rate.is_some() && format != GestureFormat::Npy {
-            return Err(FileError::usage("this format tells its own time").fix("leave out its rate (`--gesture-rate`)"));
+            return Err(FileError::usage("this format tells its own time").fix("leave out its rate"));
         }
         match format {
             GestureFormat::Csv => csv::read(bytes),
@@ -137,9 +165,14 @@ impl Gesture {
         &self.tracks
     }
 
-    /// What of a file moves nothing, in words.
-    pub fn unheard(&self) -> Option<&str> {
-        self.unheard.as_deref()
+    /// Remarks on the file, in words: events that move nothing, and ways in which it breaks the standard of its format.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
+    }
+
+    /// True if a MIDI file is part of it, which is played to its end.
+    pub fn is_midi(&self) -> bool {
+        self.midi
     }
 
     /// The track of that name.
@@ -163,6 +196,8 @@ mod tests {
             ("a.csv", Some(GestureFormat::Csv)),
             ("a.MID", Some(GestureFormat::Midi)),
             ("a.b.midi", Some(GestureFormat::Midi)),
+            ("a.KAR", Some(GestureFormat::Midi)),
+            ("a.rmi", Some(GestureFormat::Midi)),
             ("a.Npy", Some(GestureFormat::Npy)),
             ("a.wav", Some(GestureFormat::Wav)),
             ("a.mp3", None),

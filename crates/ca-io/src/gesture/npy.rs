@@ -6,43 +6,41 @@
 //! the alternative: it would play a recording as a clock, or a clock as a recording, without a word. Values are taken
 //! as they are, integers too.
 //!
-//! The header is read here, because the crate for it (npyz, which the tests read and write with) multiplies the shape
-//! without looking, and calls itself once per dimension of a field: a crafted file ends the process by either.
+//! npyz reads the header and the numbers. The header is looked at first: npyz multiplies the shape without a check, calls itself
+//! once for each bracket and each dimension of a field, and takes memory for a header as long as the file says, so that a crafted
+//! file would end the process.
 
 use super::{Gesture, Track, check_rate};
-use crate::error::{FileError, FileErrorKind};
+use crate::error::{FileError, FileErrorKind, lower, shown};
 use ca_model::quantity::Plain;
+use half::f16;
+use npyz::{DType, Deserialize, NpyHeader, Order, TypeChar, TypeRead as _};
 
 /// More columns than this are a matrix the wrong way round.
 const MAX_COLUMNS: usize = 1024;
-
-/// One number of a row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Number {
-    /// `f`, `i`, `u`; `V` for bytes that align the next field
-    kind: u8,
-    size: usize,
-    big_endian: bool,
-}
-
-#[derive(Debug, Default)]
-struct Header {
-    /// named fields, or one without a name
-    fields: Vec<(String, Number)>,
-    structured: bool,
-    fortran: bool,
-    shape: Vec<usize>,
-}
+/// Longest header \[bytes\].
+const MAX_HEADER: usize = 1 << 17;
+/// Brackets of a field in the list of fields in the dictionary.
+const DEEP: usize = 3;
 
 /// Reads an NPY gesture; `rate` \[Hz\] for arrays without a field `time`.
 pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError> {
     let (text, data) = split(bytes)?;
-    let head = Parser { text, at: 0 }.header()?;
-    let (frames, per_row) = match (&head.shape[..], head.structured) {
+    check(&text)?;
+    let head = header(&text)?;
+    let (fields, structured) = match head.dtype() {
+        DType::Record(fields) => (fields.into_iter().map(|f| (f.name, f.dtype)).collect(), true),
+        plain => (vec![(String::new(), plain)], false),
+    };
+    if fields.len() > MAX_COLUMNS {
+        return Err(FileError::new(FileErrorKind::Unsupported, format!("it has over {MAX_COLUMNS} fields")));
+    }
+    let shape: Vec<usize> = head.shape().iter().map(|n| usize::try_from(*n).unwrap_or(usize::MAX)).collect();
+    let (frames, per_row) = match (&shape[..], structured) {
         (&[n], _) => (n, 1),
         (&[n, k], false) => (n, k),
         (other, _) => {
-            let want = if head.structured { "`(frames,)`" } else { "`(frames,)` or `(frames, columns)`" };
+            let want = if structured { "`(frames,)`" } else { "`(frames,)` or `(frames, columns)`" };
             let e = FileError::new(FileErrorKind::Unsupported, format!("its shape is {other:?}, not {want}"));
             return Err(e.fix("reshape it before saving"));
         }
@@ -54,7 +52,9 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
         let e = FileError::new(FileErrorKind::Unsupported, format!("it has {per_row} columns and {frames} frames"));
         return Err(e.fix("save it with one row per frame: `numpy.save(file, a.T)`"));
     }
-    let item: usize = head.fields.iter().map(|f| f.1.size).sum();
+    let sizes = fields.iter().map(|(name, ty)| size(ty, structured && name.is_empty()));
+    let sizes = sizes.collect::<Result<Vec<usize>, _>>()?;
+    let item = sizes.iter().fold(0, |sum: usize, n| sum.saturating_add(*n));
     let needed = frames.checked_mul(per_row).and_then(|n| n.checked_mul(item));
     if needed.is_none_or(|n| n > data.len()) {
         let what = format!("the file is cut short: {frames} frames announced, {} bytes of data", data.len());
@@ -62,20 +62,19 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
     }
     // from here on frames × per_row × item ≤ data.len()
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    if head.structured {
+    if structured {
         let mut offset = 0;
-        for (name, number) in head.fields {
-            if number.kind != b'V' {
-                let values = (0..frames).map(|r| decode(number, &data[r * item + offset..][..number.size]));
-                columns.push((name, values.collect()));
+        for ((name, ty), size) in fields.into_iter().zip(sizes) {
+            if !name.is_empty() {
+                let values = column(&ty, (0..frames).map(|r| &data[r * item + offset..][..size]))?;
+                columns.push((name, values));
             }
-            offset += number.size;
+            offset += size;
         }
     } else {
-        let number = head.fields[0].1;
         for c in 0..per_row {
-            let index = |r: usize| if head.fortran { c * frames + r } else { r * per_row + c };
-            let values = (0..frames).map(|r| decode(number, &data[index(r) * item..][..item])).collect();
+            let index = |r: usize| if head.order() == Order::Fortran { c * frames + r } else { r * per_row + c };
+            let values = column(&fields[0].1, (0..frames).map(|r| &data[index(r) * item..][..item]))?;
             columns.push((format!("ch{c}"), values));
         }
     }
@@ -98,7 +97,7 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
     let made: Result<Vec<Track>, FileError> = match (time, rate) {
         (Some(_), Some(_)) => {
             let e = FileError::usage("the array has its own `time`, and a rate is given as well");
-            return Err(e.fix("leave out its rate (`--gesture-rate`)"));
+            return Err(e.fix("leave out its rate"));
         }
         (None, None) => {
             let e = FileError::usage("nothing says how fast the array is to be played");
@@ -120,7 +119,7 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
 }
 
 /// The text of the header, and the data.
-fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), FileError> {
+fn split(bytes: &[u8]) -> Result<(String, &[u8]), FileError> {
     let short = || FileError::format("the file is cut short in its header");
     let Some(rest) = bytes.strip_prefix(b"\x93NUMPY") else {
         return Err(FileError::format("it is not an NPY file").fix("write it with `numpy.save(file, array)`"));
@@ -133,164 +132,109 @@ fn split(bytes: &[u8]) -> Result<(&[u8], &[u8]), FileError> {
         }
         _ => return Err(short()),
     };
-    rest[start..].split_at_checked(len).ok_or_else(short)
+    let (text, data) = rest[start..].split_at_checked(len).ok_or_else(short)?;
+    if len > MAX_HEADER {
+        return Err(FileError::unsupported(format!("its header is longer than {MAX_HEADER} bytes")));
+    }
+    // versions 1 and 2 are Latin-1, version 3 is UTF-8
+    let latin = || text.iter().map(|b| char::from(*b)).collect();
+    Ok((if rest[0] == 3 { String::from_utf8_lossy(text).into_owned() } else { latin() }, data))
 }
 
-/// Little more of Python than `{'descr': …, 'fortran_order': …, 'shape': …}`; nothing in it calls itself.
-struct Parser<'a> {
-    text: &'a [u8],
-    at: usize,
+fn wrong(what: &str) -> FileError {
+    FileError::format(format!("its header has {what}")).fix("write it with `numpy.save(file, array)`")
 }
 
-impl Parser<'_> {
-    fn header(mut self) -> Result<Header, FileError> {
-        let mut h = Header::default();
-        let (mut fortran, mut shape) = (None, None);
-        self.expect(b'{')?;
-        while !self.take(b'}') {
-            let key = self.string()?;
-            self.expect(b':')?;
-            match key.as_str() {
-                "descr" => self.descr(&mut h)?,
-                "fortran_order" if self.word(b"False") => fortran = Some(false),
-                "fortran_order" if self.word(b"True") => fortran = Some(true),
-                "shape" => shape = Some(self.shape()?),
-                _ => return Err(self.wrong("an entry of another kind")),
+/// Refuses a header that npyz does not get through: it holds strings, whole numbers, truth values and few brackets.
+fn check(text: &str) -> Result<(), FileError> {
+    let (mut deep, mut numbers, mut rest) = (0_usize, 1_u64, text);
+    while let Some(c) = rest.chars().next() {
+        let mut n = c.len_utf8();
+        match c {
+            '\'' | '"' => {
+                let end = rest[1..].find([c, '\\']).filter(|at| rest[1 + at..].starts_with(c));
+                n = 2 + end.ok_or_else(|| wrong("a string without an end, or with a backslash"))?;
             }
-            if !self.take(b',') {
-                self.expect(b'}')?;
-                break;
+            '(' | '[' | '{' => deep += 1,
+            ')' | ']' | '}' => deep = deep.saturating_sub(1),
+            ',' | ':' | ' ' | '\t' | '\r' | '\n' => {}
+            c if c.is_ascii_alphanumeric() => {
+                n = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
+                let word = &rest[..n];
+                if !matches!(word, "True" | "False") {
+                    let product = word.parse().ok().and_then(|v: u64| numbers.checked_mul(v.max(1)));
+                    numbers =
+                        product.ok_or_else(|| wrong("a shape beyond all memory, or a word that is none of NPY"))?;
+                }
             }
+            c => return Err(wrong(&format!("a `{}` outside of its strings", shown(&c.to_string())))),
         }
-        match (fortran, shape) {
-            (Some(fortran), Some(shape)) if !h.fields.is_empty() => Ok(Header { fortran, shape, ..h }),
-            _ => Err(self.wrong("an entry missing")),
+        if deep > DEEP {
+            let e = FileError::new(FileErrorKind::Unsupported, "a field of it is an array or a record in itself");
+            return Err(e.fix("save one number per field"));
         }
+        rest = &rest[n..];
     }
+    Ok(())
+}
 
-    fn descr(&mut self, h: &mut Header) -> Result<(), FileError> {
-        h.fields.clear();
-        h.structured = self.take(b'[');
-        if !h.structured {
-            let number = self.number(false)?;
-            h.fields.push((String::new(), number));
-            return Ok(());
-        }
-        while !self.take(b']') {
-            self.expect(b'(')?;
-            let name = self.string()?;
-            self.expect(b',')?;
-            let number = self.number(name.is_empty())?;
-            self.take(b',');
-            if !self.take(b')') {
-                let e = FileError::new(FileErrorKind::Unsupported, format!("field `{name}` is an array in itself"));
-                return Err(e.fix("save one number per field"));
-            }
-            h.fields.push((name, number));
-            if h.fields.len() > MAX_COLUMNS {
-                return Err(FileError::new(FileErrorKind::Unsupported, format!("it has over {MAX_COLUMNS} fields")));
-            }
-            if !self.take(b',') {
-                self.expect(b']')?;
-                break;
-            }
-        }
-        Ok(())
-    }
+/// Reads a header, as one of version 3.
+fn header(text: &str) -> Result<NpyHeader, FileError> {
+    let text = text.trim_end();
+    let bytes = [&b"\x93NUMPY\x03\0"[..], &(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
+    NpyHeader::from_reader(&bytes[..]).map_err(|e| {
+        let why = e.to_string();
+        // what follows is of the parser
+        let why = why.split_once(": ").map_or(why.as_str(), |w| if w.0.contains("Python") { w.0 } else { &why });
+        let e = FileError::format(format!("its header is not read: {}", lower(&shown(why))));
+        e.fix("write it with `numpy.save(file, array)`")
+    })
+}
 
-    /// A type such as `<f8`.
-    fn number(&mut self, padding: bool) -> Result<Number, FileError> {
-        let text = self.string()?;
-        let (order, rest) = text.split_at_checked(1).unwrap_or((&text, ""));
-        let kind = rest.bytes().next().unwrap_or(0);
-        let size = rest.get(1..).and_then(|s| s.parse::<u32>().ok()).unwrap_or(0) as usize;
-        let known = match kind {
-            b'f' => matches!(size, 4 | 8),
-            b'i' | b'u' => matches!(size, 1 | 2 | 4 | 8),
-            b'V' => padding && (1..=1 << 16).contains(&size),
+/// Bytes of a number of this type, or of what aligns the next field.
+fn size(ty: &DType, padding: bool) -> Result<usize, FileError> {
+    if let DType::Plain(t) = ty {
+        let known = match t.type_char() {
+            TypeChar::Float => matches!(t.size_field(), 2 | 4 | 8),
+            TypeChar::Int | TypeChar::Uint => matches!(t.size_field(), 1 | 2 | 4 | 8),
+            TypeChar::RawData => padding && t.size_field() <= 1 << 16,
             _ => false,
         };
-        if !known || !matches!(order, "<" | ">" | "|" | "=") {
-            let e = FileError::new(FileErrorKind::Unsupported, format!("numbers of type `{}`", text.escape_debug()));
-            return Err(e.fix("save it as `float64`, `float32` or integers: `a.astype(float)`"));
+        if known && padding == (t.type_char() == TypeChar::RawData) {
+            return Ok(t.size_field() as usize);
         }
-        Ok(Number { kind, size, big_endian: order == ">" })
     }
-
-    fn shape(&mut self) -> Result<Vec<usize>, FileError> {
-        let mut shape = Vec::new();
-        self.expect(b'(')?;
-        while !self.take(b')') {
-            self.skip_blanks();
-            let digits = self.text[self.at..].iter().take_while(|b| b.is_ascii_digit()).count();
-            let text = std::str::from_utf8(&self.text[self.at..self.at + digits]).unwrap_or("");
-            shape.push(text.parse().map_err(|_| self.wrong("a shape of something else than whole numbers"))?);
-            self.at += digits;
-            if !self.take(b',') {
-                self.expect(b')')?;
-                break;
-            }
-        }
-        Ok(shape)
-    }
-
-    fn string(&mut self) -> Result<String, FileError> {
-        self.skip_blanks();
-        let quote = self.text.get(self.at).copied().filter(|b| matches!(b, b'\'' | b'"'));
-        let quote = quote.ok_or_else(|| self.wrong("no string where one belongs"))?;
-        let start = self.at + 1;
-        let len = self.text[start..].iter().position(|b| *b == quote || *b == b'\\');
-        let end = start + len.unwrap_or(self.text.len() - start);
-        if self.text.get(end) != Some(&quote) {
-            return Err(self.wrong("a string without an end, or with a backslash"));
-        }
-        self.at = end + 1;
-        // versions 1 and 2 are latin-1, version 3 is UTF-8; names of ports are read as UTF-8
-        Ok(String::from_utf8_lossy(&self.text[start..end]).into_owned())
-    }
-
-    fn word(&mut self, word: &[u8]) -> bool {
-        self.skip_blanks();
-        let is = self.text[self.at..].starts_with(word);
-        if is {
-            self.at += word.len();
-        }
-        is
-    }
-
-    fn take(&mut self, b: u8) -> bool {
-        self.word(&[b])
-    }
-
-    fn expect(&mut self, b: u8) -> Result<(), FileError> {
-        if self.take(b) { Ok(()) } else { Err(self.wrong(&format!("no `{}` where one belongs", b as char))) }
-    }
-
-    fn skip_blanks(&mut self) {
-        self.at += self.text[self.at..].iter().take_while(|b| b.is_ascii_whitespace()).count();
-    }
-
-    fn wrong(&self, what: &str) -> FileError {
-        let e = FileError::format(format!("its header has {what}")).at(format!("byte {} of the header", self.at));
-        e.fix("write it with `numpy.save(file, array)`")
-    }
+    let e = FileError::new(
+        FileErrorKind::Unsupported,
+        format!("numbers of type {}", shown(&ty.descr()).replace('\'', "`")),
+    );
+    Err(e.fix("save it as `float64`, `float32`, `float16` or integers: `a.astype(float)`"))
 }
 
-/// One number from exactly `number.size` bytes.
-fn decode(number: Number, bytes: &[u8]) -> f64 {
-    let mut b = [0u8; 8];
-    let n = bytes.len();
-    b[..n].copy_from_slice(bytes);
-    if number.big_endian {
-        b[..n].reverse();
+/// Numbers of any type of [`size`], each from its bytes.
+fn column<'b>(ty: &DType, cells: impl Iterator<Item = &'b [u8]>) -> Result<Vec<f64>, FileError> {
+    fn all<'b, T: Deserialize>(
+        ty: &DType,
+        cells: impl Iterator<Item = &'b [u8]>,
+        value: fn(T) -> f64,
+    ) -> Result<Vec<f64>, FileError> {
+        let wrong = |e: &dyn std::fmt::Display| FileError::format(lower(&e.to_string()));
+        let reader = T::reader(ty).map_err(|e| wrong(&e))?;
+        cells.map(|c| reader.read_one(c).map(value).map_err(|e| wrong(&e))).collect()
     }
-    let bits = u64::from_le_bytes(b);
-    let unused = 64 - 8 * n as u32;
-    match (number.kind, n) {
-        (b'f', 4) => f64::from(f32::from_bits(bits as u32)),
-        (b'f', _) => f64::from_bits(bits),
-        (b'i', _) => (((bits << unused) as i64) >> unused) as f64,
-        _ => bits as f64,
+    let DType::Plain(t) = ty else { return Err(FileError::unsupported("a field of it is not a number")) };
+    match (t.type_char(), t.size_field()) {
+        (TypeChar::Float, 2) => all::<f16>(ty, cells, f64::from),
+        (TypeChar::Float, 4) => all::<f32>(ty, cells, f64::from),
+        (TypeChar::Int, 1) => all::<i8>(ty, cells, f64::from),
+        (TypeChar::Int, 2) => all::<i16>(ty, cells, f64::from),
+        (TypeChar::Int, 4) => all::<i32>(ty, cells, f64::from),
+        (TypeChar::Int, 8) => all::<i64>(ty, cells, |v| v as f64),
+        (TypeChar::Uint, 1) => all::<u8>(ty, cells, f64::from),
+        (TypeChar::Uint, 2) => all::<u16>(ty, cells, f64::from),
+        (TypeChar::Uint, 4) => all::<u32>(ty, cells, f64::from),
+        (TypeChar::Uint, 8) => all::<u64>(ty, cells, |v| v as f64),
+        _ => all::<f64>(ty, cells, |v| v),
     }
 }
 
@@ -326,6 +270,9 @@ mod tests {
             ("|i1", vec![127, 128], [127.0, -128.0]),
             ("|u1", vec![127, 255], [127.0, 255.0]),
             ("<u2", vec![0, 255, 1, 0], [65280.0, 1.0]),
+            ("<f2", vec![0, 0x3e, 0, 0xc0], [1.5, -2.0]),
+            (">f2", vec![0x3e, 0, 0xc0, 0], [1.5, -2.0]),
+            ("<u8", [u64::MAX.to_le_bytes(), 5u64.to_le_bytes()].concat(), [u64::MAX as f64, 5.0]),
         ] {
             let g = read(&plain(descr, "(2,)", &data), Some(1.0)).unwrap();
             assert_eq!(values(&g, 0, 2), want, "{descr}");
@@ -363,6 +310,21 @@ mod tests {
     }
 
     #[test]
+    fn names_are_latin_1_before_version_3() {
+        let head = "{'descr': [('k\u{e9}', '|i1')], 'fortran_order': False, 'shape': (1,)}";
+        let mut new = b"\x93NUMPY\x03\x00".to_vec();
+        new.extend((head.len() as u32).to_le_bytes());
+        new.extend([head.as_bytes(), &[7]].concat());
+        let latin: Vec<u8> = head.chars().map(|c| c as u8).collect();
+        let mut old = b"\x93NUMPY\x01\x00".to_vec();
+        old.extend((latin.len() as u16).to_le_bytes());
+        old.extend([latin, vec![7]].concat());
+        for file in [new, old] {
+            assert_eq!(read(&file, Some(1.0)).unwrap().track("k\u{e9}").unwrap().at(0.0), 7.0);
+        }
+    }
+
+    #[test]
     fn says_what_is_wrong() {
         let two = [0u8; 16];
         for (file, part) in [
@@ -371,7 +333,12 @@ mod tests {
             (b"\x93NUMPY\x07\x00".to_vec(), "version 7"),
             (b"\x93NUMPY\x02\x00\xff\xff\xff\xff{".to_vec(), "cut short in its header"),
             (plain("<f8", "(3,)", &two), "cut short: 3 frames"),
-            (plain("<f8", "(18446744073709551615, 1024)", &two), "cut short"),
+            (plain("<f8", "(18446744073709551615, 1024)", &two), "a shape beyond all memory"),
+            (plain("<f8", "(4611686018427387904, 2)", &two), "cut short"),
+            (plain("<f8", "(0, 18446744073709551615, 1024)", &two), "a shape beyond all memory"),
+            (plain("<f8", "(0xffffffffffffffff, 1024)", &two), "a word that is none of NPY"),
+            (plain("<f8", "(-1,)", &two), "a `-` outside of its strings"),
+            (plain("<m8[s]", "(1,)", &two), "type `<m8[s]`"),
             (plain("<f8", "(99999999999999999999999,)", &two), "shape"),
             (plain("<f8", "()", &two), "shape is []"),
             (plain("<f8", "(1, 1, 1)", &two), "shape is [1, 1, 1]"),
@@ -379,11 +346,14 @@ mod tests {
             (plain("<f8", "(2, 48000)", &two), "a.T"),
             (plain("<c16", "(1,)", &two), "type `<c16`"),
             (plain("|O", "(1,)", &two), "type `|O`"),
-            (plain("", "(1,)", &two), "type ``"),
-            (plain("é", "(1,)", &two), "type `é`"),
+            (plain("", "(1,)", &two), "invalid type string"),
+            (plain("é", "(1,)", &two), "invalid type string"),
             (plain("<f8", "(1,)", &f64::NAN.to_le_bytes()), "row 0, column `ch0`: the value is NaN"),
-            (npy("{'descr': [('a', '<f8', (2,))]", &two), "array in itself"),
-            (npy(&"[".repeat(60_000), &two), "no `{`"),
+            (npy("{'descr': [('a', '<f8', (2,))]", &two), "an array or a record in itself"),
+            (npy("{'descr': [('a', [('b', '<f8')])]", &two), "an array or a record in itself"),
+            (npy(&"[".repeat(60_000), &two), "in itself"),
+            (npy("[1,", &two), "not read: could not parse"),
+            ([b"\x93NUMPY\x02\x00\0\0\x04\0".to_vec(), vec![b' '; 1 << 18]].concat(), "longer than"),
             (npy("{'descr': '<f8'}", &two), "missing"),
             (npy("{'descr': '<f8", &two), "without an end"),
         ] {

@@ -1,89 +1,96 @@
-//! RIFF: the two chunks of a WAV file that are read, whatever stands around them.
+//! RIFF: the format and the samples of a WAV file, whatever chunks stand around them.
 //!
-//! Decides to find them before `hound` reads the file. It takes the byte that fills up a chunk of odd size for the beginning of the next
-//! one, and the length of a file that was written to a pipe, which is left open, for more than there is. It knows no floats of 64 bits
-//! either, which is how SciPy writes an array of NumPy.
+//! Reads `RIFF` and, for files beyond 4 GiB, `RF64` and `BW64` (EBU Tech 3306, ITU-R BS.2088), whose chunk `ds64` holds 64-bit
+//! sizes. A program that writes to a pipe cannot go back to enter a size: `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000, and
+//! others 0. Such samples go on to the end of the file. A size of 0 says so only where the size of the whole is open too, so
+//! that a file without samples stays without samples.
+//!
+//! No library covers this: hound 3.5 knows neither `RF64` nor open sizes, pad bytes or 64-bit floats, and reads 24 bits in 32
+//! from the wrong end; symphonia 0.6 lacks `RF64`, bwavfile 2.0 64-bit floats.
+
+/// Sizes that mean "to the end of the file".
+const OPEN: [u64; 2] = [0xffff_ffff, 0x7fff_f000];
+/// The tag of an extensible format, and where the tag of its samples stands.
+const EXTENSIBLE: (u32, usize) = (0xfffe, 24);
 
 /// The chunks of a file.
 pub(super) struct Chunks<'b> {
-    format: &'b [u8],
+    pub format: Format,
     /// samples, as far as they are there
     pub data: &'b [u8],
     /// bytes of samples, as the file says
-    announced: u32,
+    pub announced: u64,
 }
 
-/// How floats of 64 bits are stored.
-pub(super) struct Doubles {
+/// The format of the samples.
+#[derive(Clone, Copy)]
+pub(super) struct Format {
+    /// 1 for integers, 3 for floats
+    pub kind: u32,
     /// \[Hz\]
     pub rate: u32,
-    pub channels: u16,
+    pub channels: usize,
+    /// bytes of a sample
+    pub bytes: usize,
+    /// bits of it that count
+    pub bits: u32,
 }
 
 impl Chunks<'_> {
-    /// Those of a file; `None` where it is no WAV file, or lacks one of them.
-    pub fn find(bytes: &[u8]) -> Option<Chunks<'_>> {
-        let mut rest = bytes.strip_prefix(b"RIFF")?.get(4..)?.strip_prefix(b"WAVE")?;
-        let mut format = None;
+    /// Finds them, or says which of them is missing.
+    pub fn find(bytes: &[u8]) -> Result<Chunks<'_>, &'static str> {
+        let (tag, rest) = bytes.split_at_checked(4).ok_or("`RIFF` is missing at its beginning")?;
+        let long = matches!(tag, b"RF64" | b"BW64");
+        if !long && tag != b"RIFF" {
+            return Err("`RIFF` is missing at its beginning");
+        }
+        let mut whole = number(rest, 0, 4).unwrap_or(0);
+        let rest = rest.get(4..).and_then(|r| r.strip_prefix(b"WAVE"));
+        let mut rest = rest.ok_or("`WAVE` is missing at its beginning")?;
+        let (mut format, mut size64) = (None, None);
         loop {
-            let (head, body) = rest.split_at_checked(8)?;
-            let announced = number(head, 4, 4)?;
-            let n = usize::try_from(announced).ok()?;
-            if head.starts_with(b"data") {
-                let mut found = Chunks { format: format?, data: &body[..n.min(body.len())], announced };
-                if announced == u32::MAX {
-                    let frame = found.number(12, 2).unwrap_or(1).max(1) as usize;
-                    found.data = &body[..body.len() - body.len() % frame];
-                    found.announced = u32::try_from(found.data.len()).ok()?;
+            let (head, body) = rest.split_at_checked(8).ok_or("the chunk `data` is missing")?;
+            let size = number(head, 4, 4).unwrap_or(0);
+            let n = usize::try_from(size).unwrap_or(usize::MAX);
+            match &head[..4] {
+                b"data" => {
+                    let format: Format = format.ok_or("the chunk `fmt ` is missing before its samples")?;
+                    let announced = size64.filter(|_| long && size == OPEN[0]).unwrap_or(size);
+                    let open = OPEN.contains(&announced) && announced > body.len() as u64
+                        || announced == 0 && [0, OPEN[0], u64::MAX].contains(&whole);
+                    let frame = (format.channels * format.bytes).max(1);
+                    let announced = if open { (body.len() - body.len() % frame) as u64 } else { announced };
+                    let here = usize::try_from(announced).unwrap_or(usize::MAX).min(body.len());
+                    return Ok(Chunks { format, data: &body[..here], announced });
                 }
-                return Some(found);
+                b"fmt " => format = Some(Format::read(body.get(..n).unwrap_or(body)).ok_or("its format is cut short")?),
+                b"ds64" if long => {
+                    whole = number(body, 0, 8).unwrap_or(whole);
+                    size64 = number(body, 8, 8);
+                }
+                _ => {}
             }
-            if head.starts_with(b"fmt ") {
-                format = Some(body.get(..n)?);
-            }
-            rest = body.get(n.checked_add(n % 2)?..)?;
+            let padded = n.checked_add(n % 2).ok_or("the chunk `data` is missing")?;
+            rest = body.get(padded..).ok_or("the chunk `data` is missing")?;
         }
     }
+}
 
-    /// A number of the format.
-    fn number(&self, at: usize, bytes: usize) -> Option<u32> {
-        number(self.format, at, bytes)
-    }
-
-    /// What stands before the samples in a file that holds nothing else.
-    pub fn header(&self) -> Vec<u8> {
-        let mut all = b"RIFF".to_vec();
-        let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).to_le_bytes();
-        all.extend(length(20 + self.format.len() + self.announced as usize));
-        all.extend(b"WAVEfmt ");
-        all.extend(length(self.format.len()));
-        all.extend(self.format);
-        all.extend(b"data");
-        all.extend(self.announced.to_le_bytes());
-        all
-    }
-
-    /// True where the file ends before its samples do.
-    pub fn is_cut(&self) -> bool {
-        self.data.len() < self.announced as usize
-    }
-
-    /// How its samples are stored, if they are floats of 64 bits.
-    pub fn doubles(&self) -> Option<Doubles> {
-        const FLOATS: u32 = 3;
-        const EXTENSIBLE: u32 = 0xfffe;
-        let mut kind = self.number(0, 2)?;
-        if kind == EXTENSIBLE {
-            kind = self.number(24, 2)?;
+impl Format {
+    fn read(chunk: &[u8]) -> Option<Format> {
+        let at = |at, bytes| Some(number(chunk, at, bytes)? as u32);
+        let (mut kind, channels, frame, mut bits) = (at(0, 2)?, at(2, 2)?, at(12, 2)?, at(14, 2)?);
+        if kind == EXTENSIBLE.0 {
+            kind = at(EXTENSIBLE.1, 2)?;
+            bits = at(18, 2).filter(|valid| *valid > 0).unwrap_or(bits);
         }
-        let is_so = kind == FLOATS && self.number(14, 2)? == 64;
-        let channels = u16::try_from(self.number(2, 2)?).ok().filter(|n| *n > 0 && is_so)?;
-        Some(Doubles { rate: self.number(4, 4)?, channels })
+        let bytes = frame.checked_div(channels).unwrap_or(0) as usize;
+        Some(Format { kind, rate: at(4, 4)?, channels: channels as usize, bytes, bits })
     }
 }
 
 /// A number of so many bytes, the least first.
-fn number(of: &[u8], at: usize, bytes: usize) -> Option<u32> {
+fn number(of: &[u8], at: usize, bytes: usize) -> Option<u64> {
     let all = of.get(at..at.checked_add(bytes)?)?;
-    Some(all.iter().rev().fold(0, |n, b| n << 8 | u32::from(*b)))
+    Some(all.iter().rev().fold(0, |n, b| n << 8 | u64::from(*b)))
 }

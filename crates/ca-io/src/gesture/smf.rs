@@ -5,6 +5,10 @@
 //! the first track. Midly reads the events, one by one, because asked for a whole track it ends it silently at the
 //! first event it cannot read; here the bytes it leaves unread are an error with a place. The chunks and the header
 //! are read here: midly takes what there is of a chunk for all of it, and overflows on one kind of frame rate.
+//!
+//! Files break the standard in ways that players accept, and so does this reader: running status that goes on after a meta or
+//! system-exclusive event, and more tracks than the header announces. A remark tells both. A file may also be wrapped in
+//! RIFF (RMID, `.rmi`).
 
 use crate::error::{FileError, FileErrorKind};
 use midly::{EventIter, MetaMessage, MidiMessage, TrackEventKind};
@@ -25,9 +29,18 @@ enum Raw {
     Tempo(u32),
 }
 
-/// All channel messages of a file, in order of time.
-pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
+/// The contents of a file.
+pub(super) struct Messages {
+    /// all channel messages, in order of time
+    pub events: Vec<Event>,
+    /// how the file breaks the standard, in words
+    pub remarks: Vec<String>,
+}
+
+/// All channel messages of a file.
+pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     let not_one = || FileError::format("it is not a Standard MIDI File").fix("export it as one, format 0 or 1");
+    let bytes = unwrapped(bytes).ok_or_else(not_one)?;
     let [b'M', b'T', b'h', b'd', 0, 0, 0, size, 0, format, n1, n0, t1, t0, ..] = *bytes else {
         return Err(not_one());
     };
@@ -39,21 +52,35 @@ pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
     let mut clock = Clock::new([t1, t0])?;
     let announced = u16::from_be_bytes([n1, n0]);
     let mut raw: Vec<(u64, Raw)> = Vec::new();
-    let mut found = 0;
-    while found < announced {
-        let Some((head, after)) = rest.split_at_checked(8) else {
-            return Err(cut(format!("{announced} tracks are announced, {found} are there")));
-        };
+    let announced = u32::from(announced);
+    let (mut found, mut broken) = (0, 0);
+    while let Some((head, after)) = rest.split_at_checked(8) {
+        let is_track = head.starts_with(b"MTrk");
+        // anything may stand behind the last track
+        if found >= announced && !is_track {
+            break;
+        }
         let size = u32::from_be_bytes([head[4], head[5], head[6], head[7]]) as usize;
         let Some((body, after)) = after.split_at_checked(size) else {
             return Err(cut(format!("track {} is {} bytes longer than the file", found + 1, size - after.len())));
         };
         rest = after;
         // chunks of other kinds may stand between
-        if head.starts_with(b"MTrk") {
+        if is_track {
             found += 1;
-            read_track(found, EventIter::new(body), &mut raw)?;
+            broken += read_track(found, EventIter::new(body), &mut raw)?;
         }
+    }
+    if found < announced {
+        return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+    }
+    let mut remarks = Vec::new();
+    if found > announced {
+        remarks.push(format!("its header announces {announced} of its {found} tracks; all are read"));
+    }
+    if broken > 0 {
+        let rule = "after a meta or system-exclusive event, which the standard forbids";
+        remarks.push(format!("running status goes on {broken} times {rule}; it is read as before that event"));
     }
     // stable: the order of tracks and events is kept within a tick
     raw.sort_by_key(|e| e.0);
@@ -64,18 +91,41 @@ pub(super) fn events(bytes: &[u8]) -> Result<Vec<Event>, FileError> {
             Raw::Message(channel, message) => events.push(Event { time: clock.time(tick), channel, message }),
         }
     }
-    Ok(events)
+    Ok(Messages { events, remarks })
+}
+
+/// The file in a RIFF container of the form RMID, or the bytes themselves; `None` where the container holds no file.
+fn unwrapped(bytes: &[u8]) -> Option<&[u8]> {
+    let Some(riff) = bytes.strip_prefix(b"RIFF") else { return Some(bytes) };
+    let mut rest = riff.get(4..)?.strip_prefix(b"RMID")?;
+    loop {
+        let (head, body) = rest.split_at_checked(8)?;
+        let size = u32::from_le_bytes([head[4], head[5], head[6], head[7]]) as usize;
+        if head.starts_with(b"data") {
+            // where it is cut short, its tracks are
+            return Some(&body[..size.min(body.len())]);
+        }
+        rest = body.get(size.checked_add(size % 2)?..)?;
+    }
 }
 
 fn cut(what: String) -> FileError {
     FileError::format(what).fix("the file is cut short or damaged; export it again")
 }
 
-fn read_track(n: u16, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<(), FileError> {
+/// Reads a track. Returns how often running status goes on after a meta or system-exclusive event.
+fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<u32, FileError> {
     let length = track.unread().len();
     let mut tick = 0u64;
+    let (mut status, mut broken) = (None, 0);
     for event in 1.. {
         let before = track.unread().len();
+        // midly forgets the status at a meta or system-exclusive event
+        status = track.running_status().or(status);
+        if track.running_status() != status && lacks_status(track.unread()) {
+            *track.running_status_mut() = status;
+            broken += 1;
+        }
         let place = || format!("track {n}, event {event}, byte {} of the track", length - before);
         let Some(Ok(e)) = track.next() else {
             let what = if before > 0 { "it is no MIDI event" } else { "the track stops without an end" };
@@ -91,11 +141,17 @@ fn read_track(n: u16, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Re
                 return Err(e.fix("remove the event"));
             }
             TrackEventKind::Meta(MetaMessage::Tempo(us)) => raw.push((tick, Raw::Tempo(us.as_int()))),
-            TrackEventKind::Meta(MetaMessage::EndOfTrack) => return Ok(()),
+            TrackEventKind::Meta(MetaMessage::EndOfTrack) => return Ok(broken),
             _ => {}
         }
     }
-    Ok(())
+    Ok(broken)
+}
+
+/// True if the next event begins with data: no status byte follows its delta time.
+fn lacks_status(unread: &[u8]) -> bool {
+    let delta = unread.iter().take_while(|b| **b >= 0x80).count();
+    unread.get(delta + 1).is_some_and(|b| *b < 0x80)
 }
 
 /// From ticks to seconds, in order of time.

@@ -2,13 +2,12 @@
 //!
 //! Decides that full scale is 1 and nothing more, one metre or one newton at a port: a recorded hand fills a small part
 //! of it, so floats serve best. Integers of 8, 16, 24 and 32 bits are divided by 2ⁿ⁻¹, so that the most negative one is −1 exactly, and
-//! the writer of sounds agrees to the bit. Floats, of 32 or 64 bits, may exceed 1; they may not be infinite.
+//! the writer of sounds agrees to the bit. Samples with fewer bits than their bytes hold use the high bits, as in libsndfile. Floats,
+//! of 32 or 64 bits, may exceed 1; they may not be infinite.
 
-use super::riff::Chunks;
+use super::riff::{Chunks, Format};
 use super::{Gesture, Track};
-use crate::error::{FileError, FileErrorKind, lower};
-use hound::{SampleFormat, WavReader};
-use std::io::Read;
+use crate::error::{FileError, FileErrorKind};
 
 /// Reads a WAV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
@@ -19,77 +18,79 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
 
 /// The rate \[Hz\] of a WAV file and the samples of each of its channels.
 pub(crate) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> {
-    let chunks = Chunks::find(bytes);
-    if let Some((found, of)) = chunks.as_ref().and_then(|c| Some((c, c.doubles()?))) {
-        let (samples, rest) = found.data.as_chunks::<8>();
-        let mut channels = room(of.rate, of.channels, samples.len() / usize::from(of.channels))?;
-        spread(&mut channels, samples.iter().map(|v| Ok(f64::from_le_bytes(*v))))?;
-        if found.is_cut() {
-            return Err(explain(&hound::Error::IoError(std::io::ErrorKind::UnexpectedEof.into())));
-        }
-        if !rest.is_empty() || !samples.len().is_multiple_of(channels.len()) {
-            return Err(explain(&hound::Error::UnfinishedSample));
-        }
-        return Ok((f64::from(of.rate), channels));
+    let no_wav = |what: &str| FileError::format(format!("it is not a WAV file: {what}"));
+    let Chunks { format, data, announced } = Chunks::find(bytes).map_err(no_wav)?;
+    if format.channels == 0 {
+        return Err(no_wav("its number of channels is 0"));
     }
-    // what is no WAV file is explained as it is
-    let (header, data) = chunks.as_ref().map_or((bytes.to_vec(), &[][..]), |c| (c.header(), c.data));
-    let mut file = WavReader::new(header.as_slice().chain(data)).map_err(|e| explain(&e))?;
-    let spec = file.spec();
-    // a header may announce more than the file holds: memory is for what is there
-    let frames = (file.duration() as usize).min(bytes.len() / usize::from(spec.channels));
-    let mut channels = room(spec.sample_rate, spec.channels, frames)?;
-    match spec.sample_format {
-        SampleFormat::Int => {
-            let full = f64::from(spec.bits_per_sample.saturating_sub(1)).exp2();
-            spread(&mut channels, file.samples::<i32>().map(|s| s.map(|v| f64::from(v) / full)))?;
-        }
-        SampleFormat::Float => spread(&mut channels, file.samples::<f32>().map(|s| s.map(f64::from)))?,
+    let value = decoder(format, data)?;
+    let (samples, n) = (data.len() / format.bytes, format.channels);
+    let place = |i: usize| format!("sample {} of channel {}", i / n, i % n);
+    if (data.len() as u64) < announced {
+        return Err(FileError::format("the file is cut short").at(place(samples)));
     }
-    Ok((f64::from(spec.sample_rate), channels))
-}
-
-/// Room for so many frames.
-fn room(rate: u32, channels: u16, frames: usize) -> Result<Vec<Vec<f64>>, FileError> {
-    if rate == 0 {
+    if !data.len().is_multiple_of(format.bytes * n) {
+        return Err(FileError::format("its last frame is not whole"));
+    }
+    if format.rate == 0 {
         return Err(FileError::content("its rate is 0 Hz"));
     }
-    if frames == 0 {
+    if samples == 0 {
         return Err(FileError::content("it holds no sample"));
     }
-    Ok((0..channels).map(|_| Vec::with_capacity(frames)).collect())
+    let mut channels: Vec<Vec<f64>> = (0..n).map(|_| Vec::with_capacity(samples / n)).collect();
+    for (i, bytes) in data.chunks_exact(format.bytes).enumerate() {
+        let x = value(bytes);
+        if !x.is_finite() {
+            return Err(FileError::content(format!("the value is {x}")).at(place(i)));
+        }
+        channels[i % n].push(x);
+    }
+    Ok((f64::from(format.rate), channels))
 }
 
-/// Deals interleaved samples out to their channels.
-fn spread(channels: &mut [Vec<f64>], samples: impl Iterator<Item = hound::Result<f64>>) -> Result<(), FileError> {
-    let n = channels.len();
-    for (i, s) in samples.enumerate() {
-        let s = s.map_err(|e| explain(&e).at(format!("sample {} of channel {}", i / n, i % n)))?;
-        if !s.is_finite() {
-            let place = format!("sample {} of channel {}", i / n, i % n);
-            return Err(FileError::content(format!("the value is {s}")).at(place));
+/// The function from the bytes of a sample to its value.
+type Decoder = Box<dyn Fn(&[u8]) -> f64>;
+
+/// The decoder of a format, or an error where there is none.
+fn decoder(format: Format, data: &[u8]) -> Result<Decoder, FileError> {
+    const INTEGERS: u32 = 1;
+    const FLOATS: u32 = 3;
+    let wide = 8 * format.bytes as u32;
+    Ok(match (format.kind, format.bytes) {
+        (FLOATS, 4) => Box::new(|b| f64::from(f32::from_bits(integer(b) as u32))),
+        (FLOATS, 8) => Box::new(|b| f64::from_le_bytes(b.try_into().unwrap_or_default())),
+        // unsigned
+        (INTEGERS, 1) if format.bits <= 8 => Box::new(|b| (f64::from(b[0]) - 128.0) / 128.0),
+        (INTEGERS, 2..=4) if (1..=wide).contains(&format.bits) => {
+            let bits = if at_the_low_end(format, data) { format.bits } else { wide };
+            let full = f64::from(bits - 1).exp2();
+            Box::new(move |b| f64::from(integer(b) << (32 - wide) >> (32 - wide)) / full)
         }
-        channels[i % n].push(s);
-    }
-    Ok(())
+        _ => {
+            let e = FileError::new(FileErrorKind::Unsupported, "this variety of WAV is not read");
+            return Err(e.fix("save it as 8, 16, 24 or 32-bit integers or as floats"));
+        }
+    })
 }
 
-fn explain(e: &hound::Error) -> FileError {
-    match e {
-        hound::Error::Unsupported | hound::Error::TooWide | hound::Error::InvalidSampleFormat => {
-            FileError::new(FileErrorKind::Unsupported, "this variety of WAV is not read")
-                .fix("save it as 8, 16, 24 or 32-bit integers or as floats")
-        }
-        hound::Error::IoError(_) => FileError::format("the file is cut short"),
-        hound::Error::FormatError(what) => FileError::format(format!("it is not a WAV file: {}", lower(what))),
-        hound::Error::UnfinishedSample => FileError::format("its last frame is not whole"),
-    }
+/// True for samples in the low bits of their bytes, as hound writes them. The standard uses the high bits, above zeros.
+fn at_the_low_end(format: Format, data: &[u8]) -> bool {
+    let wide = 8 * format.bytes as u32;
+    let (unused, above) = (wide - format.bits, 32 - format.bits);
+    let all = || data.chunks_exact(format.bytes).map(|b| integer(b) << (32 - wide) >> (32 - wide));
+    unused > 0 && all().any(|v| v & !(-1 << unused) != 0) && all().all(|v| v == v << above >> above)
+}
+
+/// Up to four bytes, the least first.
+fn integer(bytes: &[u8]) -> i32 {
+    bytes.iter().rev().fold(0, |n, b| n << 8 | i32::from(*b))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hound::{Sample, WavSpec, WavWriter};
+    use hound::{Sample, SampleFormat, WavSpec, WavWriter};
     use std::io::Cursor;
 
     fn wav<S: Sample + Copy>(channels: u16, bits: u16, format: SampleFormat, samples: &[S]) -> Vec<u8> {
@@ -175,6 +176,71 @@ mod tests {
         }
         let e = channels(&doubles(&[0.0, 0.0, f64::INFINITY, 0.0], false)).unwrap_err();
         assert_eq!(e.to_string(), "sample 1 of channel 0: the value is inf");
+    }
+
+    /// A file of integers of `bits` bits in `bytes` bytes each.
+    fn integers(bytes: u16, bits: u16, samples: &[i32]) -> Vec<u8> {
+        let mut file = b"RIFF\xff\xff\xff\xffWAVEfmt \x28\0\0\0\xfe\xff\x01\0\xb8\x0b\0\0".to_vec();
+        file.extend((3000 * u32::from(bytes)).to_le_bytes());
+        file.extend([bytes, 8 * bytes, 22, bits].iter().flat_map(|v| v.to_le_bytes()));
+        file.extend(b"\x04\0\0\0\x01\0\0\0\0\0\x10\0\x80\0\0\xaa\0\x38\x9b\x71data");
+        file.extend((samples.len() as u32 * u32::from(bytes)).to_le_bytes());
+        file.extend(samples.iter().flat_map(|v| v.to_le_bytes()[..usize::from(bytes)].to_vec()));
+        file
+    }
+
+    #[test]
+    fn fewer_bits_than_bytes_stand_at_the_high_end() {
+        let of = |bytes, bits, samples: &[i32]| channels(&integers(bytes, bits, samples)).unwrap().1.remove(0);
+        let (full, half) = (-(1 << 23), 1 << 22);
+        assert_eq!(of(4, 24, &[full << 8, half << 8, 3 << 8]), [-1.0, 0.5, 3.0 / 8_388_608.0]);
+        assert_eq!(of(3, 20, &[full, half, 16]), [-1.0, 0.5, 16.0 / 8_388_608.0]);
+        assert_eq!(of(2, 12, &[-32_768, 16_384]), [-1.0, 0.5]);
+        // at the low end, as hound writes them
+        assert_eq!(of(4, 24, &[full, half, 3]), [-1.0, 0.5, 3.0 / 8_388_608.0]);
+        // all bits count
+        assert_eq!(of(4, 32, &[i32::MIN, 1 << 30, 3]), [-1.0, 0.5, 3.0 / 2_147_483_648.0]);
+        assert!(channels(&integers(2, 17, &[1])).unwrap_err().to_string().contains("variety"));
+        assert!(channels(&integers(0, 0, &[])).is_err());
+    }
+
+    #[test]
+    fn open_sizes_go_on_to_the_end() {
+        let file = wav(1, 16, SampleFormat::Int, &[1i32, 2, 3]);
+        let plain = channels(&file).unwrap();
+        let sized = |whole: u32, data: u32| {
+            let mut file = file.clone();
+            file[4..8].copy_from_slice(&whole.to_le_bytes());
+            file[40..44].copy_from_slice(&data.to_le_bytes());
+            channels(&file)
+        };
+        for (whole, data) in [(0, 0), (u32::MAX, 0), (u32::MAX, u32::MAX), (0x7fff_f024, 0x7fff_f000), (42, u32::MAX)] {
+            assert_eq!(sized(whole, data).as_ref(), Ok(&plain), "{whole:#x} {data:#x}");
+        }
+        // a file with a known length and without samples
+        assert!(sized(36, 0).unwrap_err().to_string().contains("no sample"));
+        assert!(sized(0x7fff_f023, 0x7fff_efff).unwrap_err().to_string().contains("cut short"));
+    }
+
+    #[test]
+    fn sizes_of_64_bits_are_read() {
+        let file = wav(1, 16, SampleFormat::Int, &[1i32, 2, 3]);
+        let plain = channels(&file).unwrap();
+        let long = |tag: &[u8; 4], whole: u64, data: u64, short: u32| {
+            let mut head = tag.to_vec();
+            head.extend(b"\xff\xff\xff\xffWAVEds64\x1c\0\0\0");
+            head.extend([whole, data, 3].iter().flat_map(|v| v.to_le_bytes()));
+            head.extend([0; 4]);
+            let mut rest = file[12..].to_vec();
+            rest[28..32].copy_from_slice(&short.to_le_bytes());
+            channels(&[head, rest].concat())
+        };
+        for tag in [b"RF64", b"BW64"] {
+            for (whole, data, short) in [(78, 6, u32::MAX), (0, 6, u32::MAX), (78, 0, 6), (0, 0, u32::MAX)] {
+                assert_eq!(long(tag, whole, data, short).as_ref(), Ok(&plain), "{whole} {data} {short}");
+            }
+        }
+        assert!(long(b"RF64", 1 << 40, 1 << 40, u32::MAX).unwrap_err().to_string().contains("cut short"));
     }
 
     #[test]

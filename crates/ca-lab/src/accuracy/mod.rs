@@ -8,6 +8,8 @@ mod play;
 mod reference;
 mod score;
 mod single;
+#[cfg(test)]
+mod tests;
 
 use crate::Failure;
 use crate::load::{self, Loaded};

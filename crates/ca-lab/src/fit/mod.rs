@@ -8,12 +8,14 @@
 //! The uncertainty is that of the distance that decided, from the derivatives at the end and what is left, stretch of
 //! time by stretch of time: a recording differs from a model by what hangs together over milliseconds, and a count of samples
 //! would promise digits that nobody can have.
+//! The fit to shorter windows of time checks it.
 
 mod loss;
 mod modal;
 mod normal;
 mod page;
 mod partials;
+mod pitch;
 mod player;
 mod search;
 mod settle;
@@ -27,8 +29,9 @@ mod verdict;
 mod work;
 
 pub use page::report;
+pub use pitch::Pitch;
 pub use vary::{Range, Varied};
-pub use verdict::{Doubt, StopReason};
+pub use verdict::{Doubt, StopReason, Words};
 
 use crate::Failure;
 use crate::load::{self, Loaded};
@@ -58,6 +61,8 @@ pub struct FitOptions<'a> {
     pub renders: u32,
     /// what plays the model, beside its own gesture
     pub gesture: Option<&'a Gesture>,
+    /// what options are called where they are named
+    pub words: &'static Words,
     /// called before each render with how many there have been and may be; `false` ends it
     pub progress: &'a mut dyn FnMut(u32, u32) -> bool,
 }
@@ -130,6 +135,8 @@ pub struct Fit {
     pub halt: StopReason,
     /// whether so little is left that the sound may be one of this model
     pub explained: bool,
+    /// pitches of the recording and of the model
+    pub pitch: Pitch,
     /// distance before
     pub before: Distance,
     /// and after
@@ -138,6 +145,7 @@ pub struct Fit {
     pub beyond: Option<Beyond>,
     /// what is heard, to be shown
     shown: Shown,
+    words: &'static Words,
 }
 
 /// The three sounds of a fit, as they are compared.
@@ -163,7 +171,7 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
         if varied.iter().any(|v| v.name == *name) {
             return Err(Failure::Usage(format!("`{name}` is named twice")));
         }
-        varied.push(Varied::of(loaded, name, ask.ranges)?);
+        varied.push(Varied::of(loaded, name, ask.ranges, ask.words)?);
     }
     if let Some(r) = ask.ranges.iter().find(|r| !ask.vary.contains(&r.name)) {
         return Err(Failure::Usage(format!("`{}` has a range and is not varied", r.name)));
@@ -186,5 +194,6 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
     let goes_on: &mut dyn FnMut(u32, u32) -> bool = &mut *ask.progress;
     let play = (recording.rate, channels, ask.renders);
     let mut player = Player::new(loaded, &varied, ask.gesture, play, goes_on);
-    Work { target, varied: &varied, ends: varied.iter().map(Varied::ends).collect(), gain: ask.gain }.run(&mut player)
+    let (ends, gain, words) = (varied.iter().map(Varied::ends).collect(), ask.gain, ask.words);
+    Work { target, varied: &varied, ends, gain, words }.run(&mut player)
 }

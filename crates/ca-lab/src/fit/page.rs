@@ -19,6 +19,8 @@ impl Fitted {
             }
             (None, Some(Doubt::Unsettled)) => "not settled".into(),
             (None, Some(Doubt::Unexplained)) => "of a model that does not explain this sound".into(),
+            (None, Some(Doubt::Elsewhere)) => "at another pitch than the recording".into(),
+            (None, Some(Doubt::Far)) => "from a start at another pitch".into(),
             (None, Some(Doubt::Undetermined) | None) => "not determined by this sound".into(),
         }
     }

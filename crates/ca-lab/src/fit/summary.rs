@@ -9,7 +9,7 @@ use super::target::{Samples, Target};
 use super::verdict::Known;
 use super::verdict::{Doubt, StopReason, explained};
 use super::work::{Found, Work};
-use super::{Beyond, Distance, Fit, Fitted, Shown, Stage, sinusoids};
+use super::{Beyond, Distance, Fit, Fitted, Pitch, Shown, Stage, sinusoids};
 use crate::Failure;
 
 impl Work<'_> {
@@ -45,10 +45,13 @@ impl Work<'_> {
         let loaded = player.model(&point.places)?;
         let [was, is] = [&before, &point].map(distance);
         let explained = explained(&is);
-        let doubt = match (known.halt, explained) {
-            (_, false) => Some(Doubt::Unexplained),
-            (StopReason::Settled, true) => None,
-            (_, true) => Some(Doubt::Unsettled),
+        let pitch = Pitch::of(&self.target.samples, &before.heard, &point.heard, rate);
+        let doubt = match known.halt {
+            _ if !explained => Some(Doubt::Unexplained),
+            _ if pitch.ends_elsewhere() => Some(Doubt::Elsewhere),
+            StopReason::Renders | StopReason::Stuck => Some(Doubt::Unsettled),
+            StopReason::Settled if pitch.starts_far() && stage == Stage::Levels => Some(Doubt::Far),
+            StopReason::Settled => None,
         };
         let list = self.varied.iter().zip(&point.places).zip(&self.ends).zip(known.deviations);
         let fitted_numbers = list
@@ -92,10 +95,12 @@ impl Work<'_> {
             seconds: (fitted - onset) as f64 / rate,
             halt: known.halt,
             explained,
+            pitch,
             before: was,
             after: is,
             beyond,
             shown,
+            words: self.words,
         })
     }
 

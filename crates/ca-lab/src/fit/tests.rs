@@ -1,6 +1,6 @@
 //! Numbers hidden in a sound are found again, and what cannot be found is said.
 
-use super::{Doubt, FitOptions, Range, Stage, StopReason, fit};
+use super::{Doubt, FitOptions, Range, Stage, StopReason, Words, fit};
 use crate::Failure;
 use crate::load::{self, Loaded};
 use ca_compile::Options;
@@ -71,7 +71,8 @@ fn options<'a>(
     ranges: &'a [Range],
     progress: &'a mut dyn FnMut(u32, u32) -> bool,
 ) -> FitOptions<'a> {
-    FitOptions { vary, ranges, seconds: None, gain: None, renders: 60, gesture: None, progress }
+    let words = &Words::COMMAND;
+    FitOptions { vary, ranges, seconds: None, gain: None, renders: 60, gesture: None, words, progress }
 }
 
 fn names(all: &[&str]) -> Vec<String> {
@@ -258,7 +259,7 @@ fn ends_of_ranges_have_units() {
     let mine = model(&format!("[param]\nweight = {{ value = 20, unit = \"g\" }}\n{mine}"), &[]);
     let of = |name: &str, from: &str, to: &str| {
         let ends = [from, to].map(Value::typed);
-        super::Varied::of(&mine, name, &[Range { name: name.into(), ends }])
+        super::Varied::of(&mine, name, &[Range { name: name.into(), ends }], &Words::COMMAND)
     };
     for (name, from, to, is) in [
         ("low.f", "90 kg", "130 kg", "in kg, not in Hz"),

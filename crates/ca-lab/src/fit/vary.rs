@@ -5,6 +5,7 @@
 //! A number that follows a `[param]` is refused, with the name of what it follows, since a fit that cut the two apart would
 //! change what the author meant.
 
+use super::verdict::Words;
 use crate::sweep::number;
 use crate::{Failure, catalog, load};
 use ca_compile::Options;
@@ -28,7 +29,7 @@ pub struct Range {
 pub struct Varied {
     /// as `--set` knows it
     pub name: String,
-    /// its unit; empty for a plain number, or one in the units of the model
+    /// its unit; empty for a plain number
     pub unit: String,
     /// where it starts
     pub start: f64,
@@ -49,7 +50,7 @@ impl Varied {
     ///
     /// # Errors
     /// [`Failure::Usage`] where there is none such, it is not a number, follows another, or starts out of its range.
-    pub fn of(loaded: &Loaded, name: &str, ranges: &[Range]) -> Result<Varied, Failure> {
+    pub fn of(loaded: &Loaded, name: &str, ranges: &[Range], words: &Words) -> Result<Varied, Failure> {
         let model = &loaded.model;
         let first = match instances(model, name) {
             Some(each) => each.into_iter().next().unwrap_or_else(|| name.to_owned()),
@@ -60,7 +61,7 @@ impl Varied {
         // a bare number is in the unit beside the value of a `[param]`
         let (written, own, size) = match model.params.iter().find(|e| e.key == first) {
             Some(e) => param(e)?,
-            None => argument(model, &first).map(|(written, own)| (written, own, 1.0))?,
+            None => argument(model, &first, words).map(|(written, own)| (written, own, 1.0))?,
         };
         let mut bounds = own;
         if let Some(range) = ranges.iter().find(|r| r.name == name) {
@@ -80,11 +81,11 @@ impl Varied {
         if !(bounds[0]..=bounds[1]).contains(&start) {
             let [from, to] = bounds.map(|v| found.shown(v));
             let what = format!("`{name}` starts at {}, and may be {from} to {to}", found.shown(start));
-            return Err(Failure::Usage(format!("{what}; start it elsewhere with `--set`, or widen its range")));
+            return Err(Failure::Usage(format!("{what}; start it elsewhere with {}, or widen its range", words.set)));
         }
         if start == 0.0 && !(bounds[1] - bounds[0]).is_finite() {
             let what = format!("`{name}` starts at 0, from where no step has a size");
-            return Err(Failure::Usage(format!("{what}; give it a start with `--set`, or a range")));
+            return Err(Failure::Usage(format!("{what}; give it a start with {}, or a range", words.set)));
         }
         Ok(found)
     }
@@ -195,7 +196,7 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
 }
 
 /// A parameter of a module, and the range of its kind.
-fn argument(model: &Model, name: &str) -> Result<(Written, [f64; 2]), Failure> {
+fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 2]), Failure> {
     let usage = |what: String| Failure::Usage(what);
     let found = name.rsplit_once('.').and_then(|(owner, key)| {
         let item = model.items.iter().find(|i| i.name == owner)?;
@@ -209,13 +210,16 @@ fn argument(model: &Model, name: &str) -> Result<(Written, [f64; 2]), Failure> {
         return Err(usage(format!("`{name}` is no single number, so it cannot be varied")));
     };
     if let Some(e) = item.args.iter().find(|e| e.key == key) {
-        return Ok((plain(name, &e.value, &model.params)?, bounds));
+        let read = plain(name, &e.value, &model.params)?;
+        // a bare number is in the unit of its parameter
+        let unit = if read.unit.is_empty() { symbol.to_owned() } else { read.unit };
+        return Ok((Written { unit, ..read }, bounds));
     }
     if let Need::Default(value) = known.need {
         return Ok((Written { value, unit: symbol.into() }, bounds));
     }
     let what = format!("`{name}` is not written in the model, so it starts nowhere");
-    Err(usage(format!("{what}; give it a start: `--set {name}=…`")))
+    Err(usage(format!("{what}; give it a start with {}", words.set)))
 }
 
 /// The range of a number, and its unit.

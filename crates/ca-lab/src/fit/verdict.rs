@@ -1,9 +1,12 @@
-//! What a fit is worth: whether the search settled, whether the model explains the sound, and whether it came nearer.
+//! Judges a fit: did the search settle, at the pitch of the recording, does the model explain the sound, and did it come nearer?
 //!
 //! Decides that no deviation is given where one of these fails: derivatives at a place that is no end of the search, or of a model
-//! that makes another sound, give one all the same, and a small one where the recording is long.
+//! that makes another sound, give one all the same, and a small one where the recording is long. So do derivatives in another minimum: a model
+//! that ends at another pitch than the recording is in one, and one that started more than a semitone away may be, unless the
+//! samples agree.
 
-use super::{Distance, Fit, Stage};
+use super::{Distance, Fit, Pitch, Stage};
+use ca_model::quantity::{Plain, rounded};
 
 /// Levels that are further off than this are those of another sound \[dB\]: twelve recorded guitar strings are fitted to 6.5 dB and less.
 const LEVELS: f64 = 6.6;
@@ -13,6 +16,28 @@ const SAMPLES: f64 = -3.0;
 const LITTLE: f64 = 0.1;
 /// A sound of which so little is left cannot be improved \[dB\].
 const ALIKE: f64 = -60.0;
+
+/// Names of the options of a fit, for its messages.
+#[derive(Debug)]
+pub struct Words {
+    /// how far a number goes
+    pub range: &'static str,
+    /// where it starts
+    pub set: &'static str,
+    /// most renders
+    pub renders: &'static str,
+    /// how much is fitted
+    pub seconds: &'static str,
+}
+
+impl Words {
+    /// Those of the command.
+    pub const COMMAND: Words =
+        Words { range: "`--range`", set: "`--set`", renders: "`--renders`", seconds: "`--seconds`" };
+    /// Those of Python.
+    pub const PYTHON: Words =
+        Words { range: "`ranges`", set: "`Scene.replace`", renders: "`renders`", seconds: "`seconds`" };
+}
 
 /// Why the search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +74,10 @@ pub enum Doubt {
     Unsettled,
     /// the model does not explain the sound
     Unexplained,
+    /// the model ends at another pitch than the recording
+    Elsewhere,
+    /// it started at another pitch, and samples do not tell whether that matters
+    Far,
 }
 
 /// Whether so little is left that the sound may be one of this model.
@@ -63,41 +92,70 @@ impl Fit {
         nearer(&self.before, &self.after, self.stage)
     }
 
+    /// True if the model ends at another pitch than the recording.
+    pub fn is_elsewhere(&self) -> bool {
+        self.pitch.ends_elsewhere()
+    }
+
     /// What somebody should know of the values, a sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut all = Vec::new();
+        let Words { range, set, renders, seconds } = self.words;
         for f in &self.fitted {
             let name = &f.varied.name;
             if f.at_end {
-                all.push(format!("`{name}` is at an end of its range; widen it with `--range`, if it may go on"));
+                all.push(format!("`{name}` is at an end of its range; widen it with {range}, if it may go on"));
             }
             if f.doubt == Some(Doubt::Undetermined) {
                 all.push(format!("`{name}` is not determined by this sound; its value says nothing"));
             }
         }
+        all.extend(self.of_pitch(set));
         if !self.explained {
             let Distance { levels, samples } = self.after;
             let left = format!("levels {levels:.1} dB off, {samples:.1} dB of the samples left");
             let what = format!("the model does not explain this sound ({left}), so no deviations are given");
-            all.push(format!("{what}; vary other numbers, start nearer with `--set`, or change the model"));
+            all.push(format!("{what}; vary other numbers, start nearer with {set}, or change the model"));
         }
         match self.halt {
             StopReason::Settled => {}
             StopReason::Renders => {
                 let what =
                     format!("the search did not settle within {} renders, so no deviations are given", self.renders);
-                all.push(format!("{what}; allow more with `--renders`, or start nearer with `--set`"));
+                all.push(format!("{what}; allow more with {renders}, or start nearer with {set}"));
             }
             StopReason::Stuck => {
                 let what = "the search stopped where no step came nearer and the values had not settled, so no deviations are given";
-                all.push(format!("{what}; start elsewhere with `--set`, or fit more of the sound with `--seconds`"));
+                all.push(format!("{what}; start elsewhere with {set}, or fit more of the sound with {seconds}"));
             }
         }
         if !self.is_nearer() {
             let what = "the model came no nearer to the recording";
-            all.push(format!("{what}; vary other numbers, or start elsewhere with `--set`"));
+            all.push(format!("{what}; vary other numbers, or start elsewhere with {set}"));
         }
         all
+    }
+
+    /// The warning about pitches.
+    fn of_pitch(&self, set: &str) -> Option<String> {
+        let Pitch { recording, start, found, from_start, left } = self.pitch;
+        let hertz = |f: Option<f64>| f.map_or_else(String::new, |f| format!("{} Hz", Plain(rounded(f, 4))));
+        let (far, of) = if self.pitch.ends_elsewhere() { (left, found) } else { (from_start, start) };
+        let way = if far > 0.0 { "below" } else { "above" };
+        let far =
+            format!("{:.1} semitones {way} the recording ({}, {})", far.abs() / 100.0, hertz(of), hertz(recording));
+        if self.pitch.ends_elsewhere() {
+            let what =
+                format!("the search stopped in another minimum: the model ends {far}, so no deviations are given");
+            return Some(format!("{what}; start nearer with {set}"));
+        }
+        let certain = self.stage == Stage::Samples;
+        let what = if certain {
+            "the samples agree all the same"
+        } else {
+            "the search may have stopped in another minimum, so no deviations are given"
+        };
+        self.pitch.starts_far().then(|| format!("the model starts {far}: {what}; start nearer with {set}"))
     }
 }
 

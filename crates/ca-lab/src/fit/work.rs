@@ -12,7 +12,7 @@ use super::player::Player;
 use super::search::{Point, Rules, Slopes, Stop, descend};
 use super::target::{self, Target};
 use super::vary::Varied;
-use super::verdict::{Known, StopReason};
+use super::verdict::{Known, StopReason, Words};
 use super::{BEYOND, FEW, Fit, modal, partials};
 use crate::Failure;
 
@@ -51,6 +51,8 @@ pub(super) struct Work<'a> {
     pub ends: Vec<[f64; 2]>,
     /// where it is not free
     pub gain: Option<f64>,
+    /// what options are called
+    pub words: &'static Words,
 }
 
 impl Work<'_> {
@@ -109,7 +111,7 @@ impl Work<'_> {
         let Some((_, found)) = best else {
             return Err(Failure::Failed("the search has no start".into()));
         };
-        let (found, known) = self.to_the_end(player, &levels, found, &mut slopes)?;
+        let (found, known) = self.to_the_end(player, found, &mut slopes)?;
         self.summary(player, &before, &found, known)
     }
 
@@ -117,23 +119,26 @@ impl Work<'_> {
     fn to_the_end(
         &self,
         player: &mut Player,
-        levels: &Spectral,
         mut found: Found,
         slopes: &mut Option<Slopes>,
     ) -> Result<(Found, Known), Failure> {
         let mut known = None;
         if found.until.is_none() {
-            let (point, by_levels) = self.settled(player, levels, found.point.clone(), slopes)?;
+            let by_levels =
+                |until: usize| -> Box<dyn Loss> { Box::new(Spectral::of(&self.target, 0, until, self.gain)) };
+            let (point, at_levels) =
+                self.settled(player, (&by_levels, self.target.fitted), found.point.clone(), slopes)?;
             let moved = point.places != found.point.places;
             found.point = point;
-            known = Some(by_levels);
+            known = Some(at_levels);
             if moved {
                 found = self.samples(player, found.point, slopes)?;
             }
         }
         if let Some(until) = found.until {
-            let (point, by_samples) = self.settled(player, &self.wave(until), found.point, slopes)?;
-            return Ok((Found { point, ..found }, by_samples));
+            let by_samples = |until: usize| -> Box<dyn Loss> { Box::new(self.wave(until)) };
+            let (point, at_samples) = self.settled(player, (&by_samples, until), found.point, slopes)?;
+            return Ok((Found { point, ..found }, at_samples));
         }
         let mut known = known.unwrap_or_else(|| Known::nothing(self.varied.len()));
         // samples were not followed as far as phases agree

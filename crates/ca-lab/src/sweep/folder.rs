@@ -21,7 +21,7 @@ use ca_model::Value;
 use std::collections::hash_map::RandomState;
 use std::fmt::Write as _;
 use std::hash::{BuildHasher as _, Hasher as _};
-use std::io::{Read as _, Seek as _, SeekFrom};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Rows of a chunk.
@@ -223,7 +223,8 @@ impl Folder {
             if self.audio != Audio::None && row.frames > 0 {
                 let file = part.join(format!("{}.{}", self.digits(index), self.audio.name()));
                 let bytes = self.audio.encode(&sound, sweep.channels(), sweep.rate())?;
-                std::fs::write(&file, bytes).map_err(|e| failed(&file, "it cannot be written", &e))?;
+                let made = atomic_file::new_file(&file, 0o644).and_then(|mut f| f.write_all(&bytes));
+                made.map_err(|e| failed(&file, "it cannot be written", &e))?;
             }
             if !each(Some(row.status)) {
                 return Err(Failure::Stopped);

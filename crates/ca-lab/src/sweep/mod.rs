@@ -18,7 +18,7 @@ pub use table::{Column, RunTable};
 
 use crate::load::{self, Loaded};
 use crate::outcome::Outcome;
-use crate::play::{self, BLOCK};
+use crate::play::{self, BLOCK, Length};
 use crate::{Failure, bytes};
 use ca_compile::Options;
 use ca_io::gesture::Gesture;
@@ -238,22 +238,23 @@ impl Sweep {
             )));
         }
         let performance = Performance::new(&scene, self.gesture.as_ref())?;
-        let frames = play::frames(&scene, play::seconds(&performance, self.ask.seconds));
+        let length = Length::of(&performance, self.ask.seconds);
+        let frames = length.frames;
         let (channels, n_out) = (scene.channels, scene.n_out);
         let (mut sound, mut level) = (Vec::new(), Level::new(channels));
         let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
         if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
             return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
         }
-        let played = play::play(performance, frames, BLOCK, &mut |_, rows, _| {
+        let played = play::play(performance, length, BLOCK, &mut |_, rows, _| {
             let first = sound.len();
             sound.resize(first + rows.len() / n_out.max(1) * channels, 0.0);
             level.keep_rows(rows, n_out.max(1), &mut sound[first..]);
             if goes_on() { Ok(()) } else { Err(Failure::Stopped) }
         })?;
-        row.frames = frames;
+        row.frames = played.frames;
         row.run_time = played.wall.as_secs_f64();
-        row.rtf = row.run_time * scene.rate / frames as f64;
+        row.rtf = row.run_time * scene.rate / played.frames as f64;
         row.peak = level.peak.iter().copied().fold(0.0, f64::max);
         row.rms = measure::rms(&sound);
         // what diverged has no pitch

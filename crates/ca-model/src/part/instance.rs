@@ -217,6 +217,13 @@ impl Expander<'_> {
         }
         self.one_of_many(full, u, &scope);
         let (used, named) = (scope.used.into_inner(), scope.named.into_inner());
+        for (key, arg) in &scope.args {
+            if let (Arg::Outer(..), Some(Some(Entry { value: Value::Text(of), .. })), true) =
+                (arg, with.get(key.as_str()), used.contains(key))
+            {
+                outer.passed(of, named.contains(key));
+            }
+        }
         // one that nothing refers to is said to be so once
         let said = full.ends_with(']') && !full.ends_with("[0]");
         for (p, param) in body.params.iter().zip(params) {
@@ -253,13 +260,15 @@ impl Expander<'_> {
                 self.model.lost.push(key);
                 return (Arg::Missing, None);
             };
+            let is_number = is_number(&e.value, &known);
+            if let (false, Value::Text(t)) = (is_number, &e.value) {
+                if let Some((meant, number)) = outer.reference(t) {
+                    return (Arg::Outer(meant, number.clone(), e.span), None);
+                }
+            }
             let meant = outer.given(e).value;
-            if !is_number(&e.value, &known) {
-                let number = if let Value::Text(t) = &e.value { outer.plain(t) } else { None };
-                return match number {
-                    Some(number) => (Arg::Outer(meant, number.clone(), e.span), None),
-                    None => (Arg::Other(meant, e.span), None),
-                };
+            if !is_number {
+                return (Arg::Other(meant, e.span), None);
             }
             let param = match table {
                 Some(t) => {

@@ -92,18 +92,23 @@ impl Scope {
                 self.named.borrow_mut().insert(text.trim().into());
                 Some((Value::Text(format!("{}{}", self.prefix, text.trim())), None))
             }
-            Arg::Outer(v, _, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
+            Arg::Outer(v, _, span) => {
+                self.named.borrow_mut().insert(text.trim().into());
+                Some((v.clone(), Some(*span)))
+            }
+            Arg::Other(v, span) => Some((v.clone(), Some(*span))),
         }
     }
 
     /// A number times a parameter, which stays a product, of the `[param]` that the parameter is here.
     fn scaled(&self, text: &str) -> Option<Meaning> {
         let (factor, name) = product(text)?;
-        let (factor, name) = match self.arg(name)? {
-            Arg::Number(..) | Arg::Missing => {
-                self.named.borrow_mut().insert(name.into());
-                (factor, format!("{}{name}", self.prefix))
-            }
+        let arg = self.arg(name)?;
+        if !matches!(arg, Arg::Other(..)) {
+            self.named.borrow_mut().insert(name.into());
+        }
+        let (factor, name) = match arg {
+            Arg::Number(..) | Arg::Missing => (factor, format!("{}{name}", self.prefix)),
             Arg::Outer(Value::Text(t), ..) | Arg::Other(Value::Text(t), _) => match product(t) {
                 Some((more, name)) => (factor * more, name.into()),
                 None => (factor, t.clone()),
@@ -112,6 +117,25 @@ impl Scope {
             Arg::Outer(v, _, span) | Arg::Other(v, span) => return Some((v.clone(), Some(*span))),
         };
         Some((Value::Text(format!("{factor} {name}")), None))
+    }
+
+    /// A parameter of this name that is a number, as the `[param]` it is and as the number. It is not used yet: that is known
+    /// once the part is in that it is written for ([`Scope::passed`]).
+    pub fn reference(&self, name: &str) -> Option<(Value, &Value)> {
+        let name = name.trim();
+        match self.args.get(name)? {
+            Arg::Number(v, _) => Some((Value::Text(format!("{}{name}", self.prefix)), v)),
+            Arg::Outer(meant, v, _) => Some((meant.clone(), v)),
+            Arg::Other(..) | Arg::Missing => None,
+        }
+    }
+
+    /// The parameter `name` was written for one of a part within, which something refers to, by name or not.
+    pub fn passed(&self, name: &str, by_name: bool) {
+        self.used.borrow_mut().insert(name.trim().into());
+        if by_name {
+            self.named.borrow_mut().insert(name.trim().into());
+        }
     }
 
     /// The number that a parameter of this name stands for.
@@ -139,10 +163,13 @@ impl Scope {
         };
         let head = of.split(['.', '[', ' ']).next().unwrap_or("");
         let place = |p: &str| match self.arg(p) {
-            Some(Arg::Other(Value::Text(t), _) | Arg::Outer(Value::Text(t), ..)) => t.clone(),
-            Some(_) => {
+            Some(Arg::Other(Value::Text(t), _)) => t.clone(),
+            Some(arg) => {
                 self.named.borrow_mut().insert(p.trim().into());
-                format!("{}{}", self.prefix, p.trim())
+                match arg {
+                    Arg::Outer(Value::Text(t), ..) => t.clone(),
+                    _ => format!("{}{}", self.prefix, p.trim()),
+                }
             }
             None if self.own.contains(p.trim()) => format!("{}{}", self.prefix, p.trim()),
             None => p.into(),
@@ -167,7 +194,11 @@ impl Scope {
     /// The full name of what a key of `[gesture]` or a `port` means.
     pub fn name(&self, text: &str) -> String {
         match self.arg(text) {
-            Some(Arg::Other(Value::Text(t), _) | Arg::Outer(Value::Text(t), ..)) => return t.clone(),
+            Some(Arg::Other(Value::Text(t), _)) => return t.clone(),
+            Some(Arg::Outer(Value::Text(t), ..)) => {
+                self.named.borrow_mut().insert(text.trim().into());
+                return t.clone();
+            }
             Some(Arg::Number(..)) => {
                 self.named.borrow_mut().insert(text.trim().into());
                 return format!("{}{text}", self.prefix);

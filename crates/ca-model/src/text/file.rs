@@ -42,6 +42,10 @@ pub(crate) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Dia
         // the rest of a file that has more errors than are kept is not looked at
         _ = source.parts().any(|part| one(&part));
     }
+    // not for a text with syntax errors
+    if let Some(newer) = source.newer.filter(|_| !diags.list.iter().any(|d| d.code == "E001")) {
+        diags.push(newer.note(text));
+    }
     unique(&mut model, &mut diags);
     broken_lines(&mut model, &diags);
     (model, diags)

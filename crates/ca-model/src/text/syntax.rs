@@ -8,8 +8,11 @@
 //!
 //! The pass also counts brackets: after errors the parser's own guard against deep nesting can be led astray, and a
 //! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
+//!
+//! It notes the first place that TOML 1.0 refuses (`newer.rs`).
 
 use super::blocks::{Cut, Cutter};
+use super::newer::Newer;
 use crate::diag::{Diag, Diags};
 use crate::model::LARGEST;
 use crate::model::Span;
@@ -32,20 +35,36 @@ pub(crate) struct Source<'s> {
     pieces: Vec<(usize, usize)>,
     /// where a long text is cut, in the mended text
     pub(super) cuts: Vec<Cut>,
+    /// the first place that is TOML 1.1 alone
+    pub(super) newer: Option<Newer>,
 }
 
 impl<'s> Source<'s> {
     /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
     pub(crate) fn mend(text: &'s str, catalog: &Catalog, diags: &mut Diags) -> Source<'s> {
-        let mut brackets =
-            Brackets { text, catalog, at: 0, open: Vec::new(), edits: Vec::new(), solid: 0, cutter: Cutter::default() };
-        let plain = |text, cuts| Source { text: Cow::Borrowed(text), inserted: Vec::new(), pieces: Vec::new(), cuts };
+        let mut brackets = Brackets {
+            text,
+            catalog,
+            at: 0,
+            open: Vec::new(),
+            edits: Vec::new(),
+            solid: 0,
+            cutter: Cutter::default(),
+            newer: None,
+        };
+        let plain = |text, cuts, newer| Source {
+            text: Cow::Borrowed(text),
+            inserted: Vec::new(),
+            pieces: Vec::new(),
+            cuts,
+            newer,
+        };
         if !brackets.run(diags) || diags.is_full() {
-            return plain("", Vec::new());
+            return plain("", Vec::new(), None);
         }
         let (mut edits, mut cuts) = (brackets.edits, brackets.cutter.cuts);
         if edits.is_empty() {
-            return plain(text, cuts);
+            return plain(text, cuts, brackets.newer);
         }
         edits.sort_by_key(|e| e.0);
         let (mut mended, mut inserted, mut from) = (String::new(), Vec::new(), 0);
@@ -63,7 +82,7 @@ impl<'s> Source<'s> {
             c.header = moved(c.header.start)..moved(c.header.end);
             c.body = moved(c.body.start)..moved(c.body.end);
         }
-        Source { text: Cow::Owned(mended), inserted, pieces: Vec::new(), cuts }
+        Source { text: Cow::Owned(mended), inserted, pieces: Vec::new(), cuts, newer: None }
     }
 
     /// The parts of a text that is cut: what is left of it, then one for each cut.
@@ -89,7 +108,7 @@ impl<'s> Source<'s> {
 
     /// A part of the text, from these pieces of it.
     fn part(&self, text: String, pieces: Vec<(usize, usize)>) -> Source<'static> {
-        Source { text: Cow::Owned(text), inserted: self.inserted.clone(), pieces, cuts: Vec::new() }
+        Source { text: Cow::Owned(text), inserted: self.inserted.clone(), pieces, cuts: Vec::new(), newer: None }
     }
 
     pub(crate) fn text(&self) -> &str {
@@ -212,6 +231,7 @@ struct Brackets<'s> {
     /// end of the last thing that is neither blank nor comment
     solid: usize,
     cutter: Cutter,
+    newer: Option<Newer>,
 }
 
 impl<'s> Brackets<'s> {
@@ -221,7 +241,12 @@ impl<'s> Brackets<'s> {
         let (mut last, mut fresh) = (b'\n', true);
         while let Some(&b) = self.text.as_bytes().get(self.at) {
             match b {
-                b'\n' => fresh = true,
+                b'\n' => {
+                    fresh = true;
+                    if let Some(&(at, '}')) = self.open.last() {
+                        self.newer.get_or_insert(Newer::Lines(at));
+                    }
+                }
                 b' ' | b'\t' | b'\r' => {}
                 b'#' => self.at = self.line_end() - 1,
                 _ => {
@@ -329,6 +354,10 @@ impl<'s> Brackets<'s> {
             b'[' => self.open.push((self.at, ']')),
             b'}' | b']' if self.open.last().is_some_and(|o| o.1 == char::from(b)) => {
                 self.open.pop();
+                let before = self.solid.saturating_sub(1);
+                if b == b'}' && self.text.as_bytes().get(before) == Some(&b',') {
+                    self.newer.get_or_insert(Newer::Comma(before));
+                }
             }
             // `[1, 2 }`: what is still open inside ends here
             b'}' | b']' => {
@@ -337,7 +366,13 @@ impl<'s> Brackets<'s> {
                     self.open.pop();
                 }
             }
-            b'"' | b'\'' => self.string(b, diags),
+            b'"' | b'\'' => {
+                let start = self.at;
+                self.string(b, diags);
+                if b == b'"' && self.newer.is_none() {
+                    self.newer = Newer::escape(self.text, start, self.at);
+                }
+            }
             _ => {}
         }
     }

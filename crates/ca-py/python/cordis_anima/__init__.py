@@ -19,7 +19,7 @@ from . import _core, examples
 from ._sweeps.batch import Batch, batch
 from ._errors import CaError, Diagnostic, FailedError, FileError, MissingError, ModelError, UnstableError, UsageError
 from ._analysis.fit import Beyond, Distance, Fit, Fitted, fit
-from ._gestures import Curve, Gesture
+from ._gestures import Curve, Gesture, Points
 from ._analysis.gradient import EnergyTangents, Gradient, Tangents
 from ._analysis.linear import Linear, Rollout
 from ._analysis.measured import Progress
@@ -67,6 +67,7 @@ __all__ = [
     "Param",
     "Params",
     "Playing",
+    "Points",
     "Port",
     "Progress",
     "Range",

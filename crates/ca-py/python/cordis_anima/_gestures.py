@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Union
 
 import numpy as np
@@ -12,12 +13,34 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import UsageError
-from ._results import number, reals
+from ._results import Floats, number, reals
 
 Path = Union[str, "os.PathLike[str]"]
-#: what drives one port or live parameter: a number that stays; breakpoints (n, 2) of time [s] and value; samples (n,) at
-#: the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
-Curve = Union[float, npt.ArrayLike, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Points:
+    """Breakpoints as two arrays: what is driven goes from value to value in straight lines.
+
+    >>> import cordis_anima as ca, numpy as np
+    >>> t = np.linspace(0, 0.1, 50)
+    >>> key = ca.load("hammered_string")
+    >>> key.render(0.2, gesture={"key": ca.Points(t, -0.008 * np.cos(30 * t))}).status
+    'ok'
+    """
+
+    #: times (n,) [s], which do not go back
+    times: npt.ArrayLike
+    #: values (n,), in the unit of what is driven
+    values: npt.ArrayLike
+
+    def __repr__(self) -> str:
+        return f"<Points: {np.size(self.times)} values>"
+
+
+#: what drives one port or live parameter: a number that stays; breakpoints, a list of pairs of time [s] and value or `Points`;
+#: samples (n,) at the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
+Curve = Union[float, npt.ArrayLike, Points, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
 #: curves by what they drive, or a file whose tracks are called by it; or one that was made before
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", _core.Gesture, None]
 
@@ -44,24 +67,45 @@ def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
             files.append(_file(scene, curve[0], name, number(f"rate of `{name}`", curve[1], "Hz")))
         elif isinstance(curve, tuple) and len(curve) == 2 and _ndim(curve[0]) == 1 and _ndim(curve[1]) == 0:
             tracks.append((name, (number(f"rate of `{name}`", curve[1], "Hz"), reals(name, curve[0], dense=True))))
+        elif isinstance(curve, Points):
+            tracks.append((name, _joined(name, curve)))
         else:
             values = reals(name, curve)
             if values.ndim == 0:
                 tracks.append((name, float(values)))
             elif values.ndim == 1:
                 tracks.append((name, (float(scene.about()["rate"]), values)))
-            elif values.ndim == 2 and values.shape[1] == 2:
+            elif values.ndim == 2 and values.shape[1] == 2 and isinstance(curve, (list, tuple)):
                 tracks.append((name, values))
             else:
-                raise UsageError(f"gesture `{name}` has the shape {values.shape}: (n,) samples, or (n, 2) times and values")
+                raise UsageError(f"gesture `{name}` {_no_curve(values)}")
     return _core.Gesture.together([_core.Gesture(tracks), *files]) if files else _core.Gesture(tracks)
 
 
+def _joined(name: str, points: Points) -> Floats:
+    times, values = reals(f"times of {name}", points.times), reals(f"values of {name}", points.values)
+    if times.ndim != 1 or times.shape != values.shape:
+        raise UsageError(f"`Points` of `{name}` have times {times.shape} and values {values.shape}: both are (n,)")
+    return np.ascontiguousarray(np.stack([times, values], axis=1))
+
+
+def _no_curve(values: Floats) -> str:
+    """Why this array drives nothing. Two columns may be times and values, or the channels of a sound."""
+    if values.ndim == 2 and values.shape[1] == 2:
+        return (
+            f"is an array {values.shape}, which may be breakpoints or two channels: write `Points(a[:, 0], a[:, 1])` for times "
+            "and values, `a[:, 0]` for samples of one channel"
+        )
+    if values.ndim == 2 and 1 in values.shape:
+        return f"has the shape {values.shape}: samples are (n,), e.g. `a.ravel()`"
+    return f"has the shape {values.shape}: samples are (n,), breakpoints a list of pairs or `Points`"
+
+
 def _file(scene: _core.Scene, path: Path, port: str | None, rate: float | None) -> _core.Gesture:
-    """A gesture from a file; notes that move no port are a warning."""
+    """A gesture from a file; remarks on it are warnings."""
     gesture = scene.gesture(os.fspath(path), port, rate)
-    if gesture.unheard is not None:
-        warnings.warn(f"`{os.fspath(path)}`: {gesture.unheard}", stacklevel=4)
+    for remark in gesture.remarks:
+        warnings.warn(f"`{os.fspath(path)}`: {remark}", stacklevel=4)
     return gesture
 
 

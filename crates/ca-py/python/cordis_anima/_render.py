@@ -41,7 +41,8 @@ class Render:
     units: Mapping[str, str]
     #: the energy ledger, where `energy=True` asked for it
     energy: Energy | None
-    #: ``ok``; ``unstable``, it diverged; ``clipped``, louder than full scale; ``refused``, an input had no value
+    #: ``ok``; ``unstable``, it diverged; ``clipped``, louder than full scale; ``refused``, an input had no value; ``mute``,
+    #: neither outputs nor probes
     status: Status
     #: what is wrong and what to do; empty where nothing is
     message: str

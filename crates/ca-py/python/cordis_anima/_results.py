@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Sound = npt.NDArray[np.floating[Any]]
 #: how samples are kept: ``"float32"``, ``"float64"`` or the types of NumPy
 DType = npt.DTypeLike
-Status = Literal["ok", "clipped", "unstable", "refused"]
+Status = Literal["ok", "clipped", "unstable", "refused", "mute"]
 
 
 class Param(NamedTuple):
@@ -68,14 +68,20 @@ class Certificate(NamedTuple):
     ripple: float | None
     #: the module nearest to the limit; empty where nothing has one
     worst: str
-    #: largest kT²/m of a contact; up to 1 is safe
+    #: largest kT²/m of an explicit contact; a rule of thumb keeps it below 1, and no value is without growth
     contact: float
     #: the contact it belongs to
     stiffest: str
     #: of contacts by a power of their depth, the one whose slope·T²/m reaches 1 first, and the depth [m] at which it does
     depth: tuple[str, float] | None
-    #: steepest friction against the masses, slope·T/m; up to 1.5 is safe
+    #: steepest friction against the masses, slope·T/m; above 1.5 what should stick rings
     friction: float
+    #: largest T²k/m + 2Tz/m of a contact while it presses; from 4 on it is unstable by itself
+    closed: float
+    #: the link that decides where the level is ``rule of thumb``; else empty
+    decides: str
+    #: hardening links with an unknown largest elongation: judged at rest
+    open: list[str]
     #: items with masses that nothing hears: they are left out, and nothing is said of them
     not_judged: list[str]
 
@@ -308,6 +314,22 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     if not low <= number <= high:
         raise UsageError(f"{name} = {number}: {low} to {high}")
     return number
+
+
+#: more channels than these in fewer frames than channels are a sound that lies on its side
+_CHANNELS = 64
+
+
+def transposed(sound: Floats) -> None:
+    """Refuses a sound (channels, frames), as others have it.
+
+    Raises:
+        UsageError: it has more channels than a sound can have, and fewer frames.
+    """
+    if sound.ndim == 2 and sound.shape[1] > max(_CHANNELS, sound.shape[0]):
+        frames, channels = sound.shape
+        what = f"has the shape {sound.shape}, which is {frames} frames of {channels} channels"
+        raise UsageError(f"the sound {what}: it is (frames, channels); transpose it, `.T`")
 
 
 def is_double(dtype: DType) -> bool:

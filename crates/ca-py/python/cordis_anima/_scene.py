@@ -196,7 +196,8 @@ class Scene(Measured, Derivatives):
         """Plays the scene to its end. Other threads run meanwhile; Ctrl-C ends it.
 
         Args:
-            seconds: how long, a number or text such as ``"1.5 s"``; without, as the model says, or until its gestures have died away.
+            seconds: how long, a number or text such as ``"1.5 s"``; without, until a MIDI file in the gesture is over and its sound has
+                died away, 10 s after its last event at most; else as the model says, or until its gestures have died away.
             gesture: what drives ports and live parameters; takes the place of the built-in gesture of the same name.
                 A mapping of names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays and
                 their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
@@ -244,6 +245,8 @@ class Scene(Measured, Derivatives):
             message = "; ".join(reported)
         elif raw["refused"]:
             status, message = "refused", f"{raw['refused']} inputs had no value"
+        elif raw["mute"]:
+            status, message = "mute", raw["mute"]
         places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
             audio=raw["audio"],

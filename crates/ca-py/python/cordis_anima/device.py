@@ -8,25 +8,48 @@
             motor(device.force())
             device.wait()
 
-Needs the wheel `iceoryx2==0.10.0`: ``pip install "./crates/ca-py[device]"``. Nothing of it is loaded before `Device` is
-made. What may reach a motor is decided here as in `host/watch.rs`, and what a frame says of it as in `host/client.rs`;
+Needs the wheel `iceoryx2==0.10.0`, which is not loaded before `Device` is made, and nothing else of the package: a copy of this
+file beside a program is enough, ``from device import Device``. What may reach a motor is decided here as in `host/watch.rs`, and what a frame says of it as in `host/client.rs`;
 `ca device conformance NAME` asks for it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes as c
+import enum
+import fcntl
 import functools
+import importlib
 import math
 import os
+import re
 import secrets
+import stat
 import time
 from collections.abc import Sequence
 from typing import Any
 
-from ._errors import FailedError, UsageError, needed
+try:
+    from ._errors import FailedError, UsageError, needed
+except ImportError:
+    # a copy of this file alone
 
-__all__ = ["CAUSES", "MODES", "Device"]
+    class UsageError(ValueError):  # type: ignore[no-redef]
+        """The request makes no sense."""
+
+    class FailedError(RuntimeError):  # type: ignore[no-redef]
+        """The request makes sense, but cannot be done."""
+
+    def needed(name: str, extra: str) -> Any:
+        """A package that this needs."""
+        try:
+            return importlib.import_module(name)
+        except ImportError as e:
+            raise ImportError(f"this needs {name}: pip install {name}==0.10.0", name=name) from e
+
+
+__all__ = ["CAUSES", "MODES", "Device", "Status"]
 
 #: degrees of freedom of the largest device
 DOF = 32
@@ -38,6 +61,32 @@ CAUSES = (
 #: how a force is meant, by its number on the wire
 MODES = ("off", "ramp", "on", "damp", "fault")
 
+
+class Status(enum.IntFlag):
+    """What a device says of its hardware in each frame. Forces need the first three, and none of those that end them."""
+
+    #: the process reaches its hardware
+    CONNECTED = 1
+    #: its motors have power
+    POWERED = 2
+    #: positions are metres, forces newtons
+    CALIBRATED = 4
+    #: held by a hand
+    IN_USE = 8
+    #: the dead man's switch is there and released, which ends forces
+    DEADMAN = 16
+    #: motors are shorted, which ends forces
+    BRAKE = 32
+    #: motors are too warm, which ends forces
+    THERMAL = 64
+    #: at the edge of its travel
+    EDGE = 128
+    #: no hardware: a simulation
+    SIMULATED = 256
+
+
+#: frames whose time is remembered, for the latency of the forces that answer them
+_SENT = 1024
 _NONE, _DISARMED, _WATCHDOG, _NONFINITE, _DISCONNECT = 0, 1, 6, 7, 10
 #: longest life of a force whatever its frame says [ns]
 _LONGEST = 100_000_000
@@ -81,27 +130,96 @@ About = _record("About", b"caAB", _HEAD + (
 
 #: the file that iceoryx2 0.10.0 makes for everybody (mode 0666), and its first bytes: see `host/ours.rs`
 _COUNTER, _RELEASE = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", 10 << 16
+_SHM = "/dev/shm"
+#: longest wait for a process that writes new digits of a prefix [s]
+_LIMIT = 2.0
+
+
+def _named(prefix: str) -> list[tuple[str, os.stat_result]]:
+    """Everything in `/dev/shm` with this prefix. Files that vanish meanwhile are left out."""
+    found = []
+    for name in os.listdir(_SHM) if os.path.isdir(_SHM) else []:
+        if name.startswith(prefix):
+            with contextlib.suppress(FileNotFoundError):
+                found.append((f"{_SHM}/{name}", os.lstat(f"{_SHM}/{name}")))
+    return found
+
+
+def _foreign(prefix: str) -> list[tuple[str, os.stat_result]]:
+    return [f for f in _named(prefix) if f[1].st_uid != os.getuid() or not stat.S_ISREG(f[1].st_mode)]
+
+
+def _share(file: int, end: float) -> None:
+    while True:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            return
+        except BlockingIOError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.001)
+
+
+def _claim(root: str) -> tuple[str, Any]:
+    """The prefix of all names at this place, and the file whose lock protects it: see `host/prefix.rs`."""
+
+    def prefix() -> str:
+        digits = os.pread(file, 9, 0).decode("ascii", "replace")
+        return f"ca1-0.10.0-{digits}_" if re.fullmatch("[0-9a-fA-F]{8}", digits) else ""
+
+    file = os.open(f"{root}/prefix", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    held, end = os.fdopen(file, "rb+", buffering=0), time.monotonic() + _LIMIT
+    while True:
+        _share(file, end)
+        old = prefix()
+        if old and not _foreign(old):
+            return old, held
+        fcntl.flock(file, fcntl.LOCK_UN)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            _share(file, end)
+            # other processes use it
+            if old and (now := prefix()):
+                return now, held
+            fcntl.flock(file, fcntl.LOCK_UN)
+        else:
+            # another process may have been faster
+            if prefix() == old:
+                for path, about in _named(old) if old else []:
+                    if about.st_uid == os.getuid():
+                        with contextlib.suppress(OSError):
+                            os.unlink(path)
+                os.pwrite(file, secrets.token_hex(4).encode(), 0)
+                os.ftruncate(file, 8)
+            fcntl.flock(file, fcntl.LOCK_UN)
+        if time.monotonic() > end:
+            raise FailedError(f"`{root}/prefix` is locked by another process")
 
 
 def _closed(prefix: str) -> None:
-    """Nothing under names of ours is another user's, and what iceoryx2 would make for everybody is made for us alone."""
-    shm = "/dev/shm"
-    if not os.path.isdir(shm):
+    """Makes the counter for this user alone, which iceoryx2 would make with mode 0666."""
+    if not os.path.isdir(_SHM):
         return
-    for entry in os.scandir(shm):
-        if entry.name.startswith(prefix):
-            try:
-                whose = entry.stat(follow_symlinks=False).st_uid
-            except FileNotFoundError:
-                continue
-            if whose != os.getuid():
-                raise FailedError(f"`{entry.path}` belongs to user {whose}: remove it, or set another CA_SHM_ROOT")
-    path, fresh = f"{shm}/{prefix}{_COUNTER}", f"{shm}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
-    if os.path.exists(path) and os.stat(path).st_mode & 0o777 == 0o600:
-        return
-    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-        file.write(_RELEASE.to_bytes(8, "little") + bytes(8))
+    path, fresh = f"{_SHM}/{prefix}{_COUNTER}", f"{_SHM}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
+    with contextlib.suppress(FileNotFoundError):
+        about = os.lstat(path)
+        if about.st_uid == os.getuid() and stat.S_ISREG(about.st_mode) and about.st_mode & 0o777 == 0o600:
+            return
+    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as new:
+        new.write(_RELEASE.to_bytes(8, "little") + bytes(8))
     os.rename(fresh, path)
+
+
+def _unmixed(prefix: str, before: list[tuple[str, os.stat_result]]) -> None:
+    """An error where this process has mapped a file of another user, which could change what is in it."""
+    inodes = {about.st_ino for _, about in [*before, *_foreign(prefix)]}
+    if not inodes:
+        return
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            if f"{_SHM}/{prefix}" in line and int(line.split()[4]) in inodes:
+                raise FailedError(f"`{line.split()[5]}` belongs to another user: end all servers and devices")
 
 
 class Device:
@@ -158,11 +276,17 @@ class Device:
             if len(values) != n:
                 raise UsageError(f"`{field}` has {len(values)} numbers for {n} degrees of freedom")
             getattr(self._about, field)[:n] = values
-        # connected, powered, calibrated, simulated
-        self._status = 1 | 2 | 4 | (256 if simulated else 0)
+        #: what the next frames say of the hardware, e.g. ``device.status &= ~Status.POWERED``
+        self.status = Status.CONNECTED | Status.POWERED | Status.CALIBRATED
+        if simulated:
+            self.status |= Status.SIMULATED
         self._seq, self._told, self._due = 0, 0, time.monotonic_ns()
+        # when the last frames were sent [ns], by their number, and what the newest force answered
+        self._sent = [0] * _SENT
+        self._latency: float | None = None
         self._last: Any = None
         self._rested = False
+        self._held: Any = None
         self._open()
 
     def _fill(self, kind: Any, **rest: Any) -> Any:
@@ -176,8 +300,9 @@ class Device:
         about = os.stat(root)
         if about.st_uid != os.getuid() or about.st_mode & 0o022:
             raise FailedError(f"`{root}` belongs to another user or can be written by others; set CA_SHM_ROOT")
-        prefix = f"ca1-0.10.0-{_fnv(root) % 2**32:08x}_"
+        prefix, self._held = _claim(root)
         _closed(prefix)
+        foreign = _foreign(prefix)
         config = iox.config.default()
         config.global_cfg.root_path = iox.Path.new(root)
         config.global_cfg.prefix = iox.FileName.new(prefix)
@@ -197,24 +322,42 @@ class Device:
             raise FailedError(f"the device `{self._name}` is there already: end it, or take another name") from e
         self._hears: Any = self._lines[1].subscriber_builder().create()
         self._tells: Any = self._lines[2].publisher_builder().create()
+        _unmixed(prefix, foreign)
 
     def send(
         self,
         position: float | Sequence[float],
         *,
+        velocity: float | Sequence[float] | None = None,
+        mask: int | None = None,
         measured: float | Sequence[float] | None = None,
         buttons: int = 0,
+        deadman: bool = False,
         cause: str = "NONE",
+        ack: int | None = None,
     ) -> None:
-        """Says where the hand is [m], a number for one degree of freedom or one for each; to be called each period,
-        whatever comes back.
+        """Says where the hand is [m], a number for one degree of freedom or one for each; to be called in each period with a new
+        position, whatever comes back. Without a new position send nothing: to the engine, an old one is a hand that stands still.
 
         Args:
             position: of each degree of freedom [m].
+            velocity: of each degree of freedom [m/s], where the hardware measures it; not a number where it does not.
+            mask: which positions are valid, a bit each; all if none. The engine drops a frame that lacks one of its profile.
             measured: forces measured at the motors [N].
             buttons: a bit each.
+            deadman: whether the dead man's switch is there and released, beside what `status` says.
             cause: why the device itself gives no force, one of `CAUSES`.
+            ack: number of the force frame that the motors held while the hand came to this position; `Device.ack` if none.
+
+        Raises:
+            UsageError: numbers for another count of degrees of freedom, an unknown cause, a mask of more bits.
         """
+        if cause not in CAUSES:
+            raise UsageError(f"cause = {cause!r}: one of {', '.join(CAUSES)}")
+        whole = 2**self.n - 1
+        mask = whole if mask is None else mask
+        if not 0 <= mask <= whole:
+            raise UsageError(f"mask = {mask:#x}: a bit for each of {self.n} degrees of freedom")
         now = time.monotonic_ns()
         if now - self._told >= 1_000_000_000:
             self._tells.send_copy(self._about)
@@ -229,13 +372,18 @@ class Device:
             found = self._cause(now) if self._last is not None else _DISARMED
             found = found if found in (_NONE, _WATCHDOG, _DISCONNECT) else _DISARMED
         frame = self._fill(
-            DeviceFrame, seq=self._seq, ack=0 if self._last is None else self._last.seq, t_device_ns=now,
-            t_host_ns=now, period_ns=self._period, status=self._status, cause=found, n=self.n,
-            mask=2**self.n - 1, buttons=buttons,
+            DeviceFrame, seq=self._seq, ack=self.ack if ack is None else ack, t_device_ns=now, t_host_ns=now,
+            period_ns=self._period, status=int(self.status | (Status.DEADMAN if deadman else 0)), cause=found, n=self.n,
+            mask=mask, buttons=buttons,
         )  # fmt: skip
         frame.pos[: self.n] = self._each(position)
+        if velocity is not None:
+            speeds = self._each(velocity)
+            frame.vel_mask = sum(1 << k for k, v in enumerate(speeds) if math.isfinite(v))
+            frame.vel[: self.n] = [v if math.isfinite(v) else 0.0 for v in speeds]
         if measured is not None:
             frame.force_measured[: self.n] = self._each(measured)
+        self._sent[self._seq % _SENT] = now
         self._sends.send_copy(frame)
 
     def _each(self, value: float | Sequence[float]) -> list[float]:
@@ -264,6 +412,8 @@ class Device:
             return
         self._rested = (self._rested and same) or f.mode not in (1, 2, 3)
         self._last = f
+        if f.ack_session == self._session and f.ack > 0 and 0 <= self._seq - f.ack < _SENT:
+            self._latency = (time.monotonic_ns() - self._sent[f.ack % _SENT]) * 1e-9
 
     def _cause(self, now: int) -> int:
         f = self._last
@@ -292,6 +442,18 @@ class Device:
         """Number of the newest force frame; 0 before any came."""
         return 0 if self._last is None else int(self._last.seq)
 
+    @property
+    def ack(self) -> int:
+        """Number of the force frame that `force` gave last, 0 before any. The next `send` acknowledges it, unless told otherwise: an
+        exchange over a serial line measures the position before the new force acts, so its `send` needs the number before.
+        """
+        return self.seen
+
+    @property
+    def latency(self) -> float | None:
+        """Time from the sending of a frame to `force` taking the newest force that answers it [s]; ``None`` before any."""
+        return self._latency
+
     def wait(self) -> None:
         """Sleeps until the next frame is due. Periods that are over are left out, never made up for."""
         now = time.monotonic_ns()
@@ -305,6 +467,8 @@ class Device:
                 port.delete()
         self._sends = self._hears = self._tells = self._node = None
         self._lines = []
+        if self._held is not None:
+            self._held.close()
 
     def __enter__(self) -> Device:
         return self

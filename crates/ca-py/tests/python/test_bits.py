@@ -48,6 +48,41 @@ def test_with_gestures_changes_rates_and_probes(command: Callable[..., str], tmp
         assert np.array_equal(low.view(np.float64).reshape(48000, -1), r.probes["low[*]"])
 
 
+MIDI = Path(__file__).parents[4] / "tests/data/midi"
+HELD = """
+[model]
+seconds = 0.1
+[CEL]
+bar = { m = "2 g", f = "440 Hz", t60 = "0.2 s" }
+[ENF]
+low = { to = "bar", midi = { note = "C3", to = "1 N", attack = "1 ms", release = "1 ms" } }
+[SOX]
+out = { from = "bar", gain = 1000 }
+"""
+
+
+def test_a_midi_file_is_played_to_its_end_with_its_pedal(command: Callable[..., str], tmp_path: Path) -> None:
+    (tmp_path / "held.ca.toml").write_text(HELD)
+    file = MIDI / "m16_pedal.mid"
+    command("render", "held.ca.toml", "-o", "a.wav", "--quiet", "--no-fade", "--gesture", str(file))
+    wav, _ = soundfile.read(tmp_path / "a.wav", dtype="float32", always_2d=True)
+    scene = ca.load(tmp_path / "held.ca.toml")
+    r = scene.render(gesture=file, probes=["bar"])
+    assert np.array_equal(wav, r.audio)
+    # the pedal comes up at 1.25 s, and the sound dies away after that
+    assert 1.75 < r.seconds < 2
+    assert r.probes["bar"][48000] > 1e-5 > abs(r.probes["bar"][72000])
+    assert scene.render(0.2, gesture=file).seconds == 0.2
+    swept = ca.sweep(scene, {"bar.t60": ["0.2 s"]}, gesture=file)
+    assert int(swept["frames"].iloc[0] if hasattr(swept["frames"], "iloc") else swept["frames"][0]) == len(r.audio)
+
+
+def test_a_remark_on_a_midi_file_is_a_warning(tmp_path: Path) -> None:
+    (tmp_path / "held.ca.toml").write_text(HELD)
+    with pytest.warns(UserWarning, match="running status"):
+        ca.load(tmp_path / "held.ca.toml").render(0.1, gesture=MIDI / "m01_rs_after_meta.mid")
+
+
 @pytest.mark.parametrize("block", [1, 7, 16, 512])
 def test_blocks_are_the_whole(key: ca.Scene, block: int) -> None:
     n = 1600

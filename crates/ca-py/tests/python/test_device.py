@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+import os
 import time
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import cordis_anima as ca
 from cordis_anima import device
-from cordis_anima.device import Device
+from cordis_anima.device import Device, Status
 
 
 class Lines:
@@ -140,6 +142,45 @@ def test_a_frame_says_which_force_was_held_and_why_there_is_none() -> None:
     assert device.CAUSES[d.sends.sent[-1].cause] == "WATCHDOG_OUT"
 
 
+def test_what_a_frame_says_of_the_hardware_is_public() -> None:
+    d = Alone("finger", 2, simulated=True)
+    assert d.status == Status.CONNECTED | Status.POWERED | Status.CALIBRATED | Status.SIMULATED
+    d.send([0.0, 0.0], velocity=[0.5, math.nan], mask=0b01, deadman=True)
+    frame = d.sends.sent[-1]
+    assert (frame.mask, frame.vel_mask, list(frame.vel[:2])) == (1, 1, [0.5, 0.0])
+    assert frame.status == int(d.status | Status.DEADMAN)
+    d.status &= ~Status.POWERED
+    d.send([0.0, 0.0])
+    frame = d.sends.sent[-1]
+    assert (frame.mask, frame.vel_mask, frame.status) == (3, 0, 1 | 4 | 256)
+    for wrong in [{"mask": 4}, {"mask": -1}, {"cause": "TIRED"}, {"velocity": [1.0]}]:
+        with pytest.raises(ca.UsageError):
+            d.send([0.0, 0.0], **wrong)  # type: ignore[arg-type]
+
+
+def test_acknowledgement_and_latency_are_public(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = time.monotonic_ns()
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now)
+    d = Alone("finger", 2)
+    assert d.ack == 0 and d.latency is None
+    d.send([0.0, 0.0])
+    now += 2_000_000
+    d.hear(1, 0, ack_session=d._session, ack=1)
+    d.force()
+    assert d.ack == 1 and d.latency == pytest.approx(0.002)
+    # of a position that was measured before that force acted
+    d.send([0.0, 0.0], ack=0)
+    assert d.sends.sent[-1].ack == 0
+    d.send([0.0, 0.0])
+    assert d.sends.sent[-1].ack == 1
+    # an answer to another process, or to nothing, says nothing
+    now += 5_000_000
+    d.hear(2, 0, ack_session=d._session + 1, ack=3)
+    d.hear(3, 0, ack_session=d._session, ack=0)
+    d.force()
+    assert d.ack == 3 and d.latency == pytest.approx(0.002)
+
+
 def test_it_says_what_it_is_once_a_second() -> None:
     d = Alone("finger", 2, rate=500, low=-0.02, high=[0.02, 0.03], force=10.0, continuous=3.0, model="finger")
     for _ in range(3):
@@ -163,3 +204,38 @@ def test_what_cannot_be_is_refused() -> None:
     ]:
         with pytest.raises(ca.UsageError):
             bad()
+
+
+def test_a_place_has_one_random_prefix(tmp_path: Path) -> None:
+    first, held = device._claim(str(tmp_path))
+    assert first == f"ca1-0.10.0-{(tmp_path / 'prefix').read_text()}_"
+    assert (tmp_path / "prefix").stat().st_mode & 0o777 == 0o600
+    again, other = device._claim(str(tmp_path))
+    assert again == first
+    held.close()
+    other.close()
+    for damaged in ("", "12", "xxxxxxxx", "0123456789"):
+        (tmp_path / "prefix").write_text(damaged)
+        anew, held = device._claim(str(tmp_path))
+        held.close()
+        assert len(anew) == len(first) and damaged != (tmp_path / "prefix").read_text()
+
+
+@pytest.mark.skipif(os.getuid() != 0 or not os.path.isdir("/dev/shm"), reason="only root can be another user")
+def test_a_prefix_with_a_file_of_another_user_is_replaced_once_no_process_uses_it(tmp_path: Path) -> None:
+    first, held = device._claim(str(tmp_path))
+    squat = Path(f"/dev/shm/{first}squat")
+    squat.touch()
+    os.chown(squat, 65534, 65534)
+    try:
+        same, other = device._claim(str(tmp_path))
+        assert same == first, "it is in use"
+        device._closed(first)
+        held.close()
+        other.close()
+        second, held = device._claim(str(tmp_path))
+        held.close()
+        assert second != first and squat.exists()
+        assert [path for path, _ in device._named(first)] == [str(squat)], "what was ours there is removed"
+    finally:
+        squat.unlink()

@@ -72,14 +72,15 @@ def test_what_goes_wrong_is_a_status() -> None:
 def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     t = np.arange(4800) / 48000
     x = (1e-3 * np.sin(40 * t)).astype(np.float32).astype(np.float64)
-    points = np.stack([t, x], axis=1)
+    points = ca.Points(t, x)
+    pairs = list(zip(t.tolist(), x.tolist()))
     np.save(tmp_path / "hand.npy", np.array(list(zip(t, x)), dtype=[("time", "f8"), ("hand", "f8")]))
     soundfile.write(tmp_path / "hand.wav", x, 48000, subtype="FLOAT")
     want = key.render(0.1, gesture={"hand": x}).audio
     assert np.abs(want).max() > 0
     np.save(tmp_path / "plain.npy", x)
     files = [tmp_path / "hand.wav", (tmp_path / "plain.npy", 48000)]
-    for form in [points, points.tolist(), (x, 48000), (x.tolist(), 48000.0), np.repeat(x, 2)[::2], *files]:
+    for form in [points, pairs, [list(p) for p in pairs], (x, 48000), (x.tolist(), 48000.0), np.repeat(x, 2)[::2], *files]:
         assert np.array_equal(key.render(0.1, gesture={"hand": form}).audio, want)
     assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
     # a mistake in a gesture is one of the request, where no file has a part in it
@@ -91,6 +92,11 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
         ({"hand": (x, "48 kg")}, "not in Hz"),
         ({"hand": []}, "hand"),
         ({"hand": np.zeros((0, 2))}, "hand"),
+        # times and values, or two channels of a sound
+        ({"hand": np.stack([t, x], axis=1)}, r"may be breakpoints or two channels: write `Points\(a\[:, 0\], a\[:, 1\]\)`"),
+        ({"hand": x[:, None]}, r"samples are \(n,\), e.g. `a.ravel\(\)`"),
+        ({"hand": np.zeros((2, 4800))}, r"has the shape \(2, 4800\)"),
+        ({"hand": ca.Points(t, x[:-1])}, r"times \(4800,\) and values \(4799,\)"),
         ({"hand": x * 1j}, "`hand` holds complex numbers"),
         ({"hand": (x * 1j, 48000)}, "`hand` holds complex numbers"),
         ({"hand": 1j}, "`hand` holds complex numbers"),
@@ -110,6 +116,28 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
             key.render(0.1, gesture={"hand": wrong})
     for constant in [0.001, np.float32(0.001), np.array(0.001)]:
         assert key.render(0.1, gesture={"hand": constant}).audio.any()
+
+
+def test_a_model_that_nobody_can_hear_is_mute(key: ca.Scene) -> None:
+    silent = ca.parse("[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '1 s', dx0 = '1 mm' }\n")
+    r = silent.render(0.1)
+    assert r.audio.shape == (4800, 0) and r.status == "mute" and "lacks an output" in r.message and "mute" in repr(r)
+    heard = silent.render(0.1, probes=["bar"])
+    assert heard.status == "ok" and heard.probes["bar"].any() and silent.rollout("bar", 0.1).status == "ok"
+    assert list(ca.batch(silent, {"bar.m": ["1 g", "2 g"]}, 0.1).status) == ["mute", "mute"]
+    assert list(ca.batch(silent, {"bar.m": ["1 g"]}, 0.1, probes=["bar"]).status) == ["ok"]
+    assert ca.sweep(silent, {"bar.m": ["1 g", "2 g"]}, seconds=0.1).counts == {"mute": 2}
+
+
+def test_what_is_shown_of_results_is_short(key: ca.Scene) -> None:
+    r = key.render(0.2, gesture={"key": 0.001}, probes=["low[*]"], energy=True)
+    t = key.tangents(["low.f"], 0.2, gesture={"key": 0.001})
+    g = key.gradient(["low.f"], cotangent=np.ones((9600, 2)), gesture={"key": 0.001})
+    e = key.energy_tangents(["low.f"], 0.1, gesture={"key": 0.001}, instants=400)
+    points = ca.Points(np.arange(9999.0), np.zeros(9999))
+    for shown in [r, t, g, e, points, key.modes(), key.linear(), key.modes().derivative(["low.f"]), key.rollout("low[*]", 0.1)]:
+        assert len(repr(shown)) < 400 and repr(shown).startswith("<"), type(shown)
+    assert repr(t) == "<Tangents: 9600 frames x 2 at 48000 Hz by low.f>"
 
 
 def test_other_threads_run_meanwhile(key: ca.Scene) -> None:

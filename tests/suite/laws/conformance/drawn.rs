@@ -187,7 +187,7 @@ impl Loaded {
         l
     }
     pub fn start(&mut self, e: f64) {
-        (self.law.start)(&self.c, e, &mut self.mem);
+        (self.law.start)(&self.c, [e, 0.0], &mut self.mem);
     }
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
         (self.law.force)(&self.c, &mut self.mem, &self.tables, e, w)

@@ -27,7 +27,7 @@ pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure
     let frames = ca_lab::play::frames(scene, seconds);
     let n = scene.channels.max(1);
     let mut peaks = vec![0.0_f64; scene.channels];
-    let played = play(performance, frames, 1024, show, &mut |_, rows| {
+    let played = play(performance, frames.into(), 1024, show, &mut |_, rows| {
         for frame in rows.chunks_exact(n) {
             for (peak, x) in peaks.iter_mut().zip(frame) {
                 *peak = peak.max(x.abs());

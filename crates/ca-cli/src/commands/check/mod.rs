@@ -8,7 +8,7 @@ mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
-use crate::commands::render::{deepening, rippling, stability, stability_json};
+use crate::commands::render::{contacting, deepening, opened, rippling, stability, stability_json};
 use crate::commands::{border, inputs};
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
@@ -29,8 +29,9 @@ pub fn run(args: &CheckArgs) -> Outcome {
         return once(args, &mut Vec::new());
     }
     let model = &args.source.model;
-    let mut watch = Watch::of(model)
-        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is no file; a bundled model does not change")))?;
+    let mut watch = Watch::of(model).ok_or_else(|| {
+        Failure::Usage(format!("--watch: `{model}` is not a file; bundled models and standard input do not change"))
+    })?;
     loop {
         let mut files = Vec::new();
         let checked = once(args, &mut files);
@@ -178,11 +179,14 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     if let Some(ripple) = c.ripple {
         writeln!(out, "             {}", rippling(ripple))?;
     }
-    if c.contact > 0.0 {
-        writeln!(out, "  contacts   `{}` is the stiffest: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))?;
+    if let Some(contact) = contacting(c) {
+        writeln!(out, "  contacts   {contact}")?;
     }
     if let Some(depth) = &c.depth {
         writeln!(out, "  {:<10} {}", if c.contact > 0.0 { "" } else { "contacts" }, deepening(depth))?;
+    }
+    if let Some(open) = opened(c) {
+        writeln!(out, "  not judged {open}")?;
     }
     Ok(())
 }

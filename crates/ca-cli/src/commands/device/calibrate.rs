@@ -138,7 +138,7 @@ fn stop(lines: &mut Gateway, name: &str, k: usize, which: &str) -> Result<Option
     let mut answer = String::new();
     let got = std::io::stdin().lock().read_line(&mut answer);
     if got.map_err(|e| Failure::Failed(format!("stdin: {}", load::reason(&e))))? == 0 {
-        return Err(Failure::Interrupted);
+        return Err(Failure::Interrupted("interrupted: nothing was written".into()));
     }
     if answer.trim() == "s" {
         return Ok(None);

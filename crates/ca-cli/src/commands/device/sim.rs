@@ -21,6 +21,7 @@ use serde_json::json;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -353,7 +354,12 @@ struct Log {
 impl Log {
     fn create(path: &Path, n: usize) -> Result<Log, Failure> {
         let name = path.display().to_string();
-        let file = File::create(path)
+        let file = File::options()
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .mode(0o644)
+            .open(path)
             .map_err(|e| Failure::Failed(format!("`{name}` cannot be written: {}", crate::load::reason(&e))))?;
         let mut log = Log { to: BufWriter::with_capacity(1 << 16, file), path: name, line: String::new() };
         log.line += "seq,time,force,answers,mode,off,flags";

@@ -29,13 +29,11 @@ pub fn run(args: &EquivArgs) -> Outcome {
         scene = load::scene(&loaded, &Options::default())?;
     }
     if args.to.in_place {
-        let path = Path::new(&args.model);
-        if imported || !path.exists() {
-            let why =
-                if imported { "a MIMS file holds no equivalences" } else { "a bundled model is not yours to change" };
-            return Err(Failure::Usage(format!("`{}`: {why}; name a file by `--write FILE.ca.toml`", args.model)));
+        if imported {
+            let why = "a MIMS file holds no equivalences; name a file by `--write FILE.ca.toml`";
+            return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
         }
-        atomic_file::write(path, text.as_bytes())?;
+        atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }

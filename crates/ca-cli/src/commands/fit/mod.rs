@@ -11,7 +11,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page, term};
 use ca_compile::Options;
 use ca_io::recording::Recording;
-use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, fit, report};
+use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
 use serde_json::{Value as Json, json};
@@ -25,9 +25,8 @@ pub fn run(args: &FitArgs) -> Outcome {
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();
-    if args.to_file.in_place && !Path::new(&args.model).exists() {
-        let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
-        return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
+    if args.to_file.in_place {
+        load::own_file(&args.model)?;
     }
     if writes && loaded.is_imported() {
         return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
@@ -59,6 +58,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         gain: args.gain,
         renders: args.renders,
         gesture: gesture.as_ref(),
+        words: &Words::COMMAND,
         progress: &mut |done, _| {
             if let Some(bar) = &bar {
                 bar.set_position(u64::from(done));
@@ -78,7 +78,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         print(&loaded, &target, &found)?;
     }
     found.warnings().iter().for_each(|what| term::warning(what));
-    let good = found.is_nearer() && found.explained;
+    let good = found.is_nearer() && found.explained && !found.is_elsewhere();
     if writes && !good {
         term::warning("nothing is written");
     } else if writes {
@@ -150,6 +150,8 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
         "name": loaded.name, "target": target, "renders": found.renders, "seconds": found.seconds,
         "parameters": numbers, "gain": found.gain, "delay_s": found.delay,
         "settled": found.halt == StopReason::Settled, "explained": found.explained, "nearer": found.is_nearer(),
+        "pitch": { "recording_hz": found.pitch.recording, "start_hz": found.pitch.start, "found_hz": found.pitch.found,
+            "far": found.pitch.starts_far(), "elsewhere": found.is_elsewhere() },
         "stage": if found.stage == Stage::Samples { "samples" } else { "levels" }, "phase_s": found.phase,
         "before": distance(&found.before), "after": distance(&found.after),
         "beyond": found.beyond.as_ref().map(beyond),

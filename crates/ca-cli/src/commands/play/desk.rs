@@ -25,6 +25,9 @@ use std::time::{Duration, Instant};
 /// Between two words on how it goes.
 const NEWS: Duration = Duration::from_millis(250);
 
+/// Longest name of a device of sound \[bytes\].
+const NAME: usize = 300;
+
 /// The page of a running engine.
 pub(crate) struct Desk {
     page: Page,
@@ -164,6 +167,14 @@ impl Desk {
                 inputs.learn(recorder, request["name"].as_str())?;
                 done(if request["name"].is_string() { "move a controller" } else { "no controller is bound" })
             }
+            "audio" => {
+                let name = request["device"].as_str().unwrap_or_default().trim();
+                if name.is_empty() || name.len() > NAME {
+                    return Err(format!("`device` is the name of what plays, of {NAME} bytes at most"));
+                }
+                recorder.outputs().ask(name)?;
+                done("it is opened")
+            }
             "record" => done(&self.keep.record(request["on"] == true, &self.scene)?),
             "save" => done(&self.keep.save(recorder)?),
             "set" => {
@@ -201,7 +212,7 @@ impl Desk {
     }
 
     /// How it goes.
-    fn state(&self, recorder: &Recorder, inputs: &Inputs, shared: &Shared) -> Value {
+    fn state(&self, recorder: &mut Recorder, inputs: &Inputs, shared: &Shared) -> Value {
         let (_, tick) = recorder.progress();
         let stats = self.stats.get();
         let devices: Vec<Value> = recorder
@@ -210,6 +221,8 @@ impl Desk {
             .collect();
         let params: Map<String, Value> =
             recorder.controls().params().iter().map(|p| (p.name.clone(), json!(p.value))).collect();
+        let outputs = recorder.outputs();
+        let outputs = json!({"choices": outputs.choices, "wanted": outputs.wanted, "busy": outputs.busy});
         json!({
             "type": "state",
             "tick": tick,
@@ -227,6 +240,7 @@ impl Desk {
             "learning": inputs.learning(),
             "bound": inputs.bound().map(|(c, n, name)| json!({"channel": c, "number": n, "name": name})).collect::<Value>(),
             "sound": self.sound,
+            "outputs": outputs,
             "latency": recorder.heard().map(|h| h.1),
             "underruns": stats.as_ref().map(|s| s.underruns),
             "arms": self.allow_arm,

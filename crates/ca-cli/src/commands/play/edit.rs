@@ -55,7 +55,7 @@ impl Edit {
     pub(super) fn new(args: &ServeArgs, options: &Options) -> Edit {
         let source = args.source.clone();
         let mut file = Watch::of(&source.model);
-        if let (Some(file), Ok(loaded)) = (&mut file, load::load(&source.model)) {
+        if let (Some(file), Ok(loaded)) = (&mut file, crate::load::read(&source.model)) {
             file.also(&load::part_files(&loaded.model));
         }
         Edit {
@@ -164,7 +164,7 @@ fn make(
         Failure::Found(found) => render::text(&found.diags, &found.model, false),
         Failure::Stopped => "stopped".into(),
     };
-    let mut loaded = load::load(&source.model).map_err(words)?;
+    let mut loaded = crate::load::read(&source.model).map_err(words)?;
     *files = load::part_files(&loaded.model);
     let changes: Vec<_> = source.changes().chain(changes.iter().cloned()).collect();
     for (name, value) in &changes {

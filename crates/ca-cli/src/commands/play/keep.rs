@@ -1,8 +1,9 @@
-//! What somebody keeps of a performance from the page: its sound from now on as WAV, and all that was done so far as a take.
+//! Keeps a performance from its page: the sound from now on as WAV, and all that was done so far as a take.
 //!
-//! Decides that what is done is always written down, without sound, into a file for the time being, so that who has just played
-//! something good can still keep it; that a model with devices, which would fill the disk, keeps it only by `--log`; and that files
-//! are written where the program was started, under a name that is free, on threads of their own.
+//! All that is done is written down, without sound, so that a player can still keep what has just been played well. The
+//! name of the file is removed at once, so that the system removes the file with the process, however that ends. A model
+//! with devices would fill the disk and keeps it only by `--log`. Files are written where the program was started, under a name that is free, on threads
+//! for them alone.
 
 use crate::commands::serve::Wav;
 use crate::term;
@@ -14,6 +15,8 @@ use ca_haptic::take::{Header, Recovered, TakeWriter, recover};
 use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut, Written};
+use std::fs::File;
+use std::os::fd::AsRawFd as _;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -24,7 +27,10 @@ const TRIES: u32 = 10_000;
 
 /// A take under way in the folder for temporary files, from which takes are saved.
 pub(crate) struct Kept {
+    /// the file where it can be read
     path: PathBuf,
+    /// its name is removed already; `path` is this handle
+    unnamed: Option<File>,
     saving: Saving,
     sink: Option<AsyncSink<KeptSink>>,
 }
@@ -79,13 +85,12 @@ impl Kept {
     pub(crate) fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
         let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
         let writer = TakeWriter::create(&path, header, scene)?;
-        // others of this machine share the folder
-        #[cfg(unix)]
-        let _ = std::fs::set_permissions(&path, std::os::unix::fs::PermissionsExt::from_mode(0o600));
+        let unnamed = unnamed(&path);
+        let path = unnamed.as_ref().map_or(path, by_handle);
         let saving = Saving::default();
         let sink = KeptSink { writer, path: path.clone(), saving: saving.clone() };
         let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
-        Ok((Kept { path, saving, sink: Some(sink) }, line))
+        Ok((Kept { path, unnamed, saving, sink: Some(sink) }, line))
     }
 }
 
@@ -95,8 +100,23 @@ impl Drop for Kept {
         if let Some(Ok(Some(mut sink))) = self.sink.take().map(AsyncSink::end) {
             sink.save();
         }
-        let _ = std::fs::remove_file(&self.path);
+        if self.unnamed.is_none() {
+            let _ = std::fs::remove_file(&self.path);
+        }
     }
+}
+
+/// Removes the name of a file that is open; `None` where it could not be read any more without its name.
+fn unnamed(path: &Path) -> Option<File> {
+    let file = File::open(path).ok()?;
+    by_handle(&file).exists().then_some(())?;
+    std::fs::remove_file(path).ok()?;
+    Some(file)
+}
+
+/// The path at which Linux has an open file of this process.
+fn by_handle(file: &File) -> PathBuf {
+    PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
 }
 
 /// Sound that is being written.

@@ -4,6 +4,7 @@
 //! recorder ([`desk`]), an edited model another version of the scene ([`edit`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
 //! what there is to see ([`greeting`]).
 
+mod browser;
 mod desk;
 mod edit;
 mod energy;
@@ -22,6 +23,7 @@ use desk::Desk;
 use edit::Edit;
 use keep::{Keep, Kept, TapeSink};
 use sink::PageSink;
+use std::any::Any;
 use std::sync::Arc;
 
 /// Where a page is served where nobody says.
@@ -69,14 +71,11 @@ impl Frontend for PlayArgs {
     }
 
     /// Opens it too.
-    fn announce(&self, address: &str) {
+    fn announce(&self, address: &str) -> Box<dyn Any> {
         // whatever else is quiet: without it nobody can play
         eprintln!("play it at {address}");
-        if !self.no_open && has_screen() {
-            if let Err(e) = open::that_detached(address) {
-                term::note(&format!("no browser opens ({e}); open the address in one"));
-            }
-        }
+        let open = !self.no_open && has_screen();
+        Box::new(open.then(|| browser::open(address)))
     }
 }
 

@@ -1,4 +1,4 @@
-//! `ca render`: a model into a WAV file.
+//! `ca render`: a model into a WAV or FLAC file, or through a pipe.
 //!
 //! Decides that everything that can be refused is refused before the first tick, so that a long render never ends in a
 //! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite, and after a
@@ -9,8 +9,8 @@ mod summary;
 
 pub(crate) use play::{listen, play, stopped};
 pub(crate) use summary::{
-    Divergence, decibel, deepening, fitting, grows, joule, level, makers, relative, rippling, stability,
-    stability_json, tenths, too_loud,
+    Divergence, contacting, decibel, deepening, fitting, grows, joule, level, makers, opened, relative, rippling,
+    stability, stability_json, tenths, too_loud,
 };
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
@@ -21,6 +21,7 @@ use crate::term;
 use ca_compile::{KernelClass, Options};
 use ca_core::scene::{Halves, Location};
 use ca_core::{Scene, State};
+use ca_io::atomic_file::is_stdout;
 use ca_io::ending::{Ending, RenderOut};
 use ca_io::files::Files;
 use ca_io::gesture::Gesture;
@@ -29,10 +30,9 @@ use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
 use ca_lab::catalog;
 use ca_lab::gesture;
+use ca_lab::play::Length;
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
-
-/// Data of a WAV file \[bytes\].
-const MOST: u64 = u32::MAX as u64 - 100;
 
 /// A probe as asked.
 pub(crate) struct Probe {
@@ -60,6 +60,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
+        arithmetic: None,
     };
     let mut scene = load::scene(&loaded, &options)?;
     let second = scene.audited.take();
@@ -70,29 +71,27 @@ pub fn run(args: &RenderArgs) -> Outcome {
     border::idle(&args.source, &scene);
     let gesture = gesture(&args.playing, &scene, &output)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
-    let (seconds, frames) = length(&args.playing, &scene, &performance);
-    let format = match args.format {
-        SampleFormat::F32 => Format::F32,
-        SampleFormat::I24 => Format::I24,
-        SampleFormat::I16 => Format::I16,
-    };
-
-    if frames.saturating_mul(scene.channels as u64 * u64::from(format.bits() / 8)) > MOST {
-        let what = format!("{seconds} s of {} channels are more than the 4 GiB a WAV file holds", scene.channels);
-        return Err(Failure::Usage(format!("{what}; render less with `--seconds`, or `--format 16`")));
-    }
+    let (seconds, length) = length(&args.playing, &performance);
+    let (format, flac) = format(args, &output)?;
     let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
-    let ending = Ending { format, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
+    let ending = Ending { format, flac, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
     let mut files = Files::new(wav, outs, scene.channels, scene.rate);
-    let played = match &halves {
-        Some(h) => {
-            play::play_halves(performance, h, gesture.as_ref(), frames, show, &mut |rows| Ok(files.write(rows)?))?
-        }
-        None => play(performance, frames, play::BLOCK, show, &mut |_, rows| Ok(files.write(rows)?))?,
+    let mut done = 0;
+    let mut heard = |rows: &[f64]| -> Result<(), Failure> {
+        done += rows.len() / scene.n_out.max(1);
+        Ok(files.write(rows)?)
     };
+    let played = match &halves {
+        Some(h) => play::play_halves(performance, h, gesture.as_ref(), length, show, &mut heard),
+        None => play(performance, length, play::BLOCK, show, &mut |_, rows| heard(rows)),
+    };
+    let played = played.map_err(|e| match e {
+        Failure::Interrupted(_) => Failure::Interrupted(interrupted(&output, done as f64 / scene.rate, seconds)),
+        other => other,
+    })?;
     let (ended, slow) = files.finish(played.diverged_at.is_some())?;
     let audited: &Scene = second.as_deref().unwrap_or(&scene);
     let energy = match &played.energy {
@@ -100,7 +99,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
             let diverged = played.diverged_at.is_some();
             Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
         }
-        None => play::audit(audited, gesture.as_ref(), frames),
+        None => play::audit(audited, gesture.as_ref(), played.frames),
     };
     let divergence = Divergence::of(&played, audited, &scene.findings, gesture.as_ref());
     let summary = summary::Summary {
@@ -108,6 +107,13 @@ pub fn run(args: &RenderArgs) -> Outcome {
         scene: &scene,
         audited,
         written: &ended.written,
+        format: match (format, flac) {
+            (Format::F32, _) => "32-bit float",
+            (Format::I24, false) => "24-bit",
+            (Format::I16, false) => "16-bit",
+            (Format::I24, true) => "24-bit FLAC",
+            (Format::I16, true) => "16-bit FLAC",
+        },
         ended: &ended,
         slow: slow.found().collect(),
         furthest: furthest(&scene, &played.performance.state),
@@ -126,10 +132,13 @@ pub fn run(args: &RenderArgs) -> Outcome {
     for what in ca_lab::play::clamped(&played.performance) {
         term::warning(&what);
     }
+    // standard output is for the sound where that goes there
+    let mut out: Box<dyn std::io::Write> =
+        if is_stdout(&output) { Box::new(std::io::stderr().lock()) } else { Box::new(std::io::stdout().lock()) };
     if args.json {
-        summary.json()?;
+        summary.json(&mut out)?;
     } else if !args.quiet {
-        summary.text()?;
+        summary.text(&mut out)?;
     }
     Ok(if summary.degraded() { Ended::Degraded } else { Ended::Well })
 }
@@ -142,9 +151,56 @@ fn halves(loaded: &Loaded, options: &Options, scene: &Scene) -> Result<Halves, F
 
 /// Where the sound goes.
 fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
-    let Some(path) = args.output.clone() else { return Ok(PathBuf::from(format!("{}.wav", loaded.name))) };
-    load::check_wav_path(&path)?;
+    let Some(path) = args.output.clone() else {
+        let flac = args.format.is_some_and(SampleFormat::is_flac);
+        return Ok(PathBuf::from(format!("{}.{}", loaded.name, if flac { "flac" } else { "wav" })));
+    };
+    if is_stdout(&path) {
+        if std::io::stdout().is_terminal() {
+            let what = format!("`{}`: a terminal cannot show sound", path.display());
+            return Err(Failure::Usage(format!(
+                "{what}; send it to a program or a file, as in `ca render … -o - | aplay`"
+            )));
+        }
+        return Ok(path);
+    }
+    // only plain files need an extension
+    let plain = !path.exists() || path.is_file();
+    if plain && !["wav", "flac"].iter().any(|e| load::has_extension(&path, e)) {
+        let what = format!("`{}`: sound is written as WAV or FLAC", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav` or `.flac`")));
+    }
     Ok(path)
+}
+
+/// The format of samples, and true for FLAC: by `--format`, else by the name of the file.
+fn format(args: &RenderArgs, output: &Path) -> Result<(Format, bool), Failure> {
+    let named = load::has_extension(output, "flac");
+    let flac = named || args.format.is_some_and(SampleFormat::is_flac);
+    if flac && load::has_extension(output, "wav") {
+        let what = format!("`{}`: the name says WAV, `--format` says FLAC", output.display());
+        return Err(Failure::Usage(format!("{what}; call the file `.flac`, or choose `--format 24`")));
+    }
+    match args.format {
+        Some(SampleFormat::F32) if flac => {
+            let what = format!("`{}`: FLAC holds no floats", output.display());
+            Err(Failure::Usage(format!("{what}; choose `--format 24` or `16`, or call the file `.wav`")))
+        }
+        None if flac => Ok((Format::I24, flac)),
+        None | Some(SampleFormat::F32) => Ok((Format::F32, flac)),
+        Some(SampleFormat::I24 | SampleFormat::Flac) => Ok((Format::I24, flac)),
+        Some(SampleFormat::I16 | SampleFormat::Flac16) => Ok((Format::I16, flac)),
+    }
+}
+
+/// The message of a render that Ctrl-C ended after `done` of its `seconds`.
+fn interrupted(output: &Path, done: f64, seconds: f64) -> String {
+    let kept = if output.is_file() {
+        format!("`{}` is as it was before", output.display())
+    } else {
+        format!("`{}` was not written", output.display())
+    };
+    format!("interrupted after {done:.2} s of {seconds} s: none of it is kept, {kept}")
 }
 
 /// Whether two names mean the same file, as far as that exists.
@@ -201,8 +257,8 @@ pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Op
     Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""), &mut |what| term::note(what))?)
 }
 
-/// How long it is played \[s\], and in ticks.
-pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u64) {
+/// The longest time that it is played \[s\], and the length in samples.
+pub(crate) fn length(args: &Playing, p: &Performance) -> (f64, Length) {
     let gesture = p.duration();
     let seconds = ca_lab::play::seconds(p, args.seconds);
     if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
@@ -210,7 +266,7 @@ pub(crate) fn length(args: &Playing, scene: &Scene, p: &Performance) -> (f64, u6
             "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
         ));
     }
-    (seconds, ca_lab::play::frames(scene, seconds))
+    (seconds, Length::of(p, args.seconds))
 }
 
 /// The body that is furthest from its rest, ports and fixed points aside.

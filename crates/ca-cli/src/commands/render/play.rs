@@ -5,6 +5,7 @@ use crate::term;
 use ca_core::scene::Halves;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
+use ca_lab::play::Length;
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,9 +21,14 @@ pub(crate) fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind.
+/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind. A second Ctrl-C
+/// does that too, since a pipe without a reader blocks the process.
 pub(crate) fn listen() {
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
 }
 
 /// What is done with outputs.
@@ -49,7 +55,13 @@ impl Progress {
             bar.set_position(done);
         }
         // what is not finished removes itself
-        if stopped() { Err(Failure::Interrupted) } else { Ok(()) }
+        if stopped() {
+            if let Some(bar) = &self.bar {
+                bar.finish_and_clear();
+            }
+            return Err(Failure::Interrupted("interrupted: nothing was written".into()));
+        }
+        Ok(())
     }
 
     fn end(self) {
@@ -59,16 +71,16 @@ impl Progress {
     }
 }
 
-/// Plays `frames` ticks. After every `block` of them, `heard` gets their outputs, interleaved.
+/// Plays for a length. After every `block` of them, `heard` gets their outputs, interleaved.
 pub(crate) fn play<'a>(
     p: Performance<'a>,
-    frames: u64,
+    length: Length,
     block: u64,
     show: bool,
     heard: &mut Sink,
 ) -> Result<Played<'a>, Failure> {
-    let mut progress = Progress::new(frames, show);
-    let played = ca_lab::play::play(p, frames, block, &mut |p, rows, done| {
+    let mut progress = Progress::new(length.frames, show);
+    let played = ca_lab::play::play(p, length, block, &mut |p, rows, done| {
         heard(p, rows)?;
         progress.step(done)
     })?;
@@ -81,12 +93,12 @@ pub(crate) fn play_halves<'a>(
     p: Performance<'a>,
     halves: &'a Halves,
     gesture: Option<&Gesture>,
-    frames: u64,
+    length: Length,
     show: bool,
     heard: &mut dyn FnMut(&[f64]) -> Result<(), Failure>,
 ) -> Result<Played<'a>, Failure> {
-    let mut progress = Progress::new(frames, show);
-    let played = ca_lab::play::play_halves(p, halves, gesture, (frames, BLOCK), &mut |rows, done| {
+    let mut progress = Progress::new(length.frames, show);
+    let played = ca_lab::play::play_halves(p, halves, gesture, (length, BLOCK), &mut |rows, done| {
         heard(rows)?;
         progress.step(done)
     })?;

@@ -2,7 +2,7 @@
 
 use super::Probe;
 use super::play::Audit;
-use crate::args::{RenderArgs, SampleFormat};
+use crate::args::RenderArgs;
 use crate::commands::{border, inputs};
 use crate::load::ticked;
 use crate::outcome::Failure;
@@ -12,6 +12,7 @@ use ca_core::Scene;
 use ca_core::kind::Unit;
 use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
+use ca_core::scene::growth::Growth;
 use ca_core::state::Ledger;
 use ca_io::ending::Ended;
 use ca_io::slow::EDGE;
@@ -20,7 +21,6 @@ pub(crate) use ca_lab::play::{Divergence, relative};
 use ca_lab::play::{gain, made, unbalanced};
 use ca_model::quantity::{rounded, show, six};
 use serde_json::{Value as Json, json};
-use std::io::Write as _;
 use std::time::Duration;
 
 /// A peak from which on the loudness is not the question, 40 dB over full scale.
@@ -39,6 +39,8 @@ pub(crate) struct Summary<'a> {
     /// the same with the energy ledger, which knows its links by name
     pub audited: &'a Scene,
     pub written: &'a Written,
+    /// how samples are kept, in words
+    pub format: &'static str,
     pub ended: &'a Ended,
     /// channels of which more than half is too slow to be heard, with the share
     pub slow: Vec<(usize, f64)>,
@@ -102,7 +104,7 @@ impl Summary<'_> {
         self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || energy
     }
 
-    /// What the scheme made, where that is most of the energy there was \[J\].
+    /// The energy made by the scheme, if it exceeds the energy received \[J\].
     fn made(&self) -> Option<f64> {
         made(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
@@ -177,7 +179,8 @@ impl Summary<'_> {
                 makers(self.audited, &audit.ledger, NAMED).into_iter().map(|(name, _)| name).collect();
             let links = ticked(links.iter().map(String::as_str));
             let by = if links.is_empty() { "the rate boundary of a group" } else { &links };
-            let what = format!("{by} made most of the energy there was out of nothing, {}", joule(made));
+            let received = joule(audit.ledger.balance().received);
+            let what = format!("{by} made {} out of nothing, more than the {received} that were received", joule(made));
             let help = "what is heard is the error of the scheme; soften it; a contact may have `method = \"stable\"`";
             term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
@@ -195,26 +198,17 @@ impl Summary<'_> {
         words.collect::<Vec<_>>().join(" ")
     }
 
-    fn format(&self) -> &'static str {
-        match self.args.format {
-            SampleFormat::F32 => "32-bit float",
-            SampleFormat::I24 => "24-bit",
-            SampleFormat::I16 => "16-bit",
-        }
-    }
-
     fn real_time_factor(&self) -> f64 {
         self.wall.as_secs_f64() / self.written.duration()
     }
 
     /// The summary for people.
-    pub fn text(&self) -> Result<(), Failure> {
-        let mut out = std::io::stdout().lock();
+    pub fn text(&self, mut out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels =
             if w.level.peak.len() == 1 { "1 channel".into() } else { format!("{} channels", w.level.peak.len()) };
         let (seconds, khz) = (w.duration(), show(six(self.scene.rate), Unit::HERTZ));
-        writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format())?;
+        writeln!(out, "{}  {seconds:.3} s, {channels}, {khz}, {}", w.path.display(), self.format)?;
         let rtf = self.real_time_factor();
         let how = if self.args.energy { " with the energy ledger" } else { "" };
         writeln!(out, "  speed      {} times real time{how} (real-time factor {})", short(1.0 / rtf), short(rtf))?;
@@ -308,7 +302,7 @@ impl Summary<'_> {
     }
 
     /// The summary for programs.
-    pub fn json(&self) -> Result<(), Failure> {
+    pub fn json(&self, out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels: Vec<Json> = (0..w.level.peak.len())
             .map(|i| {
@@ -340,7 +334,7 @@ impl Summary<'_> {
         });
         let probes: Vec<Json> = self.probes.iter().map(|p| json!({"name": p.name, "file": p.file})).collect();
         let all = json!({
-            "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format(),
+            "file": w.path, "seconds": w.duration(), "frames": w.frames, "rate": w.rate, "format": self.format,
             "channels": channels, "latency": border::json(self.scene), "real_time_factor": self.real_time_factor(), "energy": energy,
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
             "clipped": clipped, "beyond_full_scale": w.level.beyond, "gain": self.ended.gain, "faded": self.ended.faded,
@@ -349,7 +343,7 @@ impl Summary<'_> {
             "degraded": self.degraded(),
             "threads": self.halves.map(|h| json!({"share": h.share, "across": h.across})),
         });
-        writeln!(std::io::stdout().lock(), "{all:#}")?;
+        writeln!(out, "{all:#}")?;
         Ok(())
     }
 }
@@ -392,7 +386,21 @@ pub(crate) fn stability(c: &Certificate) -> String {
             format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
         }
     };
-    format!("{}, {margin}{worst}{silent}", c.level)
+    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
+    format!("{}{by}, {margin}{worst}{silent}", c.level)
+}
+
+/// The stiffest explicit contact, and what such contacts were measured to make.
+pub(crate) fn contacting(c: &Certificate) -> Option<String> {
+    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
+    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
+}
+
+/// Links that are judged at rest only.
+pub(crate) fn opened(c: &Certificate) -> Option<String> {
+    let names = ticked(c.open.iter().map(String::as_str));
+    (!c.open.is_empty())
+        .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 
 /// What the energy of a linearised scene may do, in words.
@@ -406,7 +414,7 @@ pub(crate) fn rippling(ripple: f64) -> String {
 /// Of contacts that grow with their depth, which is too steep first, and where.
 pub(crate) fn deepening((name, depth): &(String, f64)) -> String {
     let depth = show(rounded(*depth, 3), Unit::METRE);
-    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}, deeper it may make energy")
+    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")
 }
 
 /// What is proven, for programs.
@@ -416,6 +424,6 @@ pub(crate) fn stability_json(c: &Certificate) -> Json {
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
         "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
         "depth": c.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.friction,
-        "not_judged": c.not_judged,
+        "closed": c.closed, "decides": c.decides, "open": c.open, "not_judged": c.not_judged,
     })
 }

@@ -11,6 +11,7 @@ use ca_compile::Options;
 use ca_core::Scene;
 use ca_io::perform::Performance;
 use ca_lab::accuracy::{self, AccuracyOptions};
+use ca_lab::play::lasted;
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
 use ca_view::Film;
@@ -50,7 +51,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     crate::commands::border::idle(&args.source, &scene);
     let gesture = render::gesture(&args.playing, &scene, args.output.as_deref().unwrap_or(Path::new("")))?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
-    let (seconds, frames) = render::length(&args.playing, &scene, &performance);
+    let (seconds, length) = render::length(&args.playing, &performance);
+    let frames = length.frames;
 
     let mut sound = Sound::new(scene.rate, &scene.channel_names);
     let mut motion = Envelope::new(scene.rate, scene.n_out - scene.channels);
@@ -58,7 +60,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     let mut film = Film::new(&scene, seconds);
     // often enough for a picture that does not jerk
     let block = (frames / LOOKS).clamp(1, (scene.rate / PICTURE).max(1.0) as u64).min(1024);
-    let played = render::play(performance, frames, block, !args.quiet, &mut |p, rows| {
+    let played = render::play(performance, length, block, !args.quiet, &mut |p, rows| {
         for row in rows.chunks_exact(scene.n_out.max(1)) {
             sound.push(&row[..scene.channels]);
             motion.push(&row[scene.channels..]);
@@ -89,8 +91,8 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
         term::warning(&what);
     }
     let mut facts = Facts::of(&scene);
-    facts.add("length", format!("{seconds} s"));
-    let factor = played.wall.as_secs_f64() / (frames as f64 * scene.sample_dt);
+    facts.add("length", format!("{} s", lasted(&scene, &played, frames, seconds)));
+    let factor = played.wall.as_secs_f64() / (played.frames as f64 * scene.sample_dt);
     let ledger_kept = if composed { "" } else { " with the energy ledger" };
     facts.add("real-time factor", format!("{}{ledger_kept}, on this machine", short(factor)));
     for (name, value) in args.source.changes() {

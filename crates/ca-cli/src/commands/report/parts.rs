@@ -5,7 +5,9 @@
 
 use crate::commands::border;
 use crate::commands::check::codes;
-use crate::commands::render::{decibel, deepening, fitting, level, rippling, stability as verdict, tenths, too_loud};
+use crate::commands::render::{
+    contacting, decibel, deepening, fitting, level, opened, rippling, stability as verdict, tenths, too_loud,
+};
 use crate::term::short;
 use ca_compile::Compiled;
 use ca_compile::Options;
@@ -226,7 +228,7 @@ pub(super) fn stability(scene: &Compiled) -> Section {
     let means = match c.level {
         Level::Proven => "every link is linear and the bound is below the limit, at every setting",
         Level::Linearised => "proven for small motions about the pose at load",
-        Level::RuleOfThumb => "the linear links are proven; contacts and non-linear links obey a rule of thumb",
+        Level::RuleOfThumb => "the linear links are proven; rules of thumb judge contacts and non-linear links",
         Level::NotProven if scene.slow.as_ref().is_some_and(|g| g.compensated) => {
             "a compensated border may make energy, and its account says how much"
         }
@@ -257,9 +259,11 @@ pub(super) fn stability(scene: &Compiled) -> Section {
     if !c.worst.is_empty() {
         rows.push(("nearest to the limit", format!("`{}`", c.worst)));
     }
-    if c.contact > 0.0 {
-        rows.push(("stiffest contact", format!("`{}`: kT²/m {}, up to 1 is safe", c.stiffest, short(c.contact))));
+    if !c.decides.is_empty() {
+        rows.push(("deciding link", format!("`{}`", c.decides)));
     }
+    rows.extend(contacting(c).map(|contact| ("stiffest contact", contact)));
+    rows.extend(opened(c).map(|open| ("not judged", open)));
     rows.extend(c.depth.as_ref().map(|depth| ("steepest contact", deepening(depth))));
     let mut blocks = vec![Block::Table(Table::pairs(rows))];
     let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);

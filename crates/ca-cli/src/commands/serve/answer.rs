@@ -65,6 +65,11 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
             *leave = true;
             Reply::done("ends")
         }
+        Request::Audio { to: Some(name) } if name.len() > LONGEST => {
+            Reply::refused(format!("a name has {LONGEST} bytes at most"))
+        }
+        Request::Audio { to: Some(name) } => done(recorder.outputs().ask(name.trim()), format!("{name} is asked for")),
+        Request::Audio { to: None } => outputs(recorder),
         Request::Status => status(recorder),
     }
 }
@@ -98,6 +103,19 @@ pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64
 /// A live parameter, for programs; a bound that is infinite is null.
 pub(crate) fn param(p: &LiveParam) -> Value {
     json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
+}
+
+/// The output of the sound, and the outputs to choose from.
+fn outputs(recorder: &mut Recorder) -> Reply {
+    let o = recorder.outputs();
+    let choices: Vec<String> = o.choices.iter().map(|c| format!("`{c}`")).collect();
+    let choices = if choices.is_empty() { "none can be chosen".into() } else { format!("of {}", choices.join(", ")) };
+    let text = format!("sound: {}; {choices}", if o.plays.is_empty() { "by nothing" } else { &o.plays });
+    let fields = match serde_json::to_value(&*o) {
+        Ok(Value::Object(fields)) => fields,
+        _ => Map::new(),
+    };
+    Reply { ok: true, text, fields }
 }
 
 fn status(recorder: &Recorder) -> Reply {

@@ -36,8 +36,8 @@ pub(crate) trait Frontend {
     /// Where it cannot be opened, which refuses the session.
     fn open(&self, opening: Opening<'_>, sinks: &mut Vec<Box<dyn Sink>>) -> Result<Box<dyn Desk>, Failure>;
 
-    /// Says where it is, once nothing can be refused any more.
-    fn announce(&self, address: &str);
+    /// Says where it is, once nothing can be refused any more. The session keeps the result until its end.
+    fn announce(&self, address: &str) -> Box<dyn Any>;
 }
 
 /// A frontend that is open, in the hands of the recorder's thread.

@@ -142,9 +142,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
-    let (mut playing, follow) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?.unzip();
-    ends.audio = follow;
-    let events = playing.as_mut().and_then(audio::Playing::events);
+    let (mut sound, outlet) = audio::Switch::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?;
+    ends.audio = outlet;
+    let events = sound.events();
     let mut inputs = Inputs::open(args, &scene, page.is_some(), events)?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
     if args.gesture {
@@ -156,9 +156,8 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     }
 
     let clock = match args.clock {
-        // one clock rules
-        ClockKind::Monotonic if playing.is_some() => Clock::Audio,
-        ClockKind::Monotonic => Clock::Monotonic,
+        // the clock of the sound device, if there is one
+        ClockKind::Monotonic => Clock::Audio,
         ClockKind::Device => Clock::Device { patience: PATIENCE },
     };
     let frame_rate = scene.rate / f64::from(scene.ratio);
@@ -171,7 +170,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
-    playing.as_mut().map_or(Ok(()), audio::Playing::start)?;
+    sound.start()?;
     match recorder.heard() {
         Some((device, ms)) => recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
         None if page.is_some() && scene.channels > 0 => {
@@ -179,14 +178,12 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         }
         None => {}
     }
-    if let Some((desk, playing)) = desk.as_mut().zip(playing.as_ref()) {
-        desk.sounds_by(playing.host());
+    if let Some((desk, host)) = desk.as_mut().zip(sound.host()) {
+        desk.sounds_by(host);
     }
     let (thread, granted) = engine_thread(live, rt_request(args, 0), frames)?;
     unplayed.0 = None;
-    if let Some((desk, page)) = desk.as_ref().zip(page) {
-        page.announce(&desk.address());
-    }
+    let _announced = desk.as_ref().zip(page).map(|(desk, page)| page.announce(&desk.address()));
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(talk.granted().map(|g| ("gateway".to_string(), g)));
     threads.extend(wav.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string())));
@@ -200,12 +197,10 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         }
     }
 
-    let engine = attend(thread, &mut recorder, &mut talk, &mut inputs, desk.as_mut(), playing.as_ref(), &shared);
+    let engine = attend(thread, &mut recorder, &mut talk, &mut inputs, desk.as_mut(), &mut sound, &shared);
     // what it keeps is finished once all has come
     let keep = desk.map(Desk::close);
-    if let Some(playing) = playing {
-        playing.end(scene.rate);
-    }
+    sound.end(scene.rate);
     let traffic = talk.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
     recorder.poll();
@@ -302,14 +297,13 @@ fn attend(
     talk: &mut talk::Talk,
     inputs: &mut Inputs,
     mut desk: Option<&mut Box<dyn Desk>>,
-    playing: Option<&audio::Playing>,
+    sound: &mut audio::Switch,
     shared: &Arc<Shared>,
 ) -> std::thread::Result<Engine> {
     let mut turns = 0_u64;
     while !thread.is_finished() {
-        if let Some(playing) = playing {
-            playing.turn(recorder);
-        }
+        let desk_of = desk.as_deref_mut().map(|d| &mut **d as &mut dyn Desk);
+        sound.turn(recorder, inputs, desk_of);
         recorder.poll();
         let sweep = turns.is_multiple_of(SWEEP);
         let asked = match &mut desk {

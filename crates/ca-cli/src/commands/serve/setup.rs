@@ -8,7 +8,7 @@ use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
 use ca_haptic::profile::Profile;
 pub(crate) use ca_lab::take::devices;
-use ca_lab::take::dofs;
+use ca_lab::take::{beyond, dofs};
 use std::sync::Arc;
 
 /// Everything that belongs to each device; and of each that nobody has described, what it may do at most.
@@ -27,8 +27,13 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec
         let mut profile = store::profile_of(&device, &args.profile)?;
         let calibration = store::calibration_of(&device, &args.calibration)?;
         let wanted = dofs(scene, &device);
-        if wanted as usize > DOF {
-            return Err(Failure::Failed(format!("`{device}`: dof {}; a device has at most {DOF}", wanted - 1)));
+        let far: Vec<&str> = beyond(scene, &device).map(|i| i.name.as_str()).collect();
+        if let Some(first) = far.first() {
+            let keys =
+                if far.len() == 1 { format!("`{first}`") } else { format!("{} ports from `{first}` on", far.len()) };
+            term::note(&format!(
+                "`{device}`: a device has at most {DOF} degrees of freedom; MIDI and gestures alone move {keys}"
+            ));
         }
         unknown.push(profile.is_unknown().then(|| profile.clone()));
         if profile.is_unknown() {

@@ -16,7 +16,7 @@ pub(super) struct Files<'a> {
 }
 
 /// What went over the lines.
-pub(super) type Traffic = [(&'static str, u64); 6];
+pub(super) type Traffic = [(&'static str, u64); 8];
 
 /// As text, one line a thing.
 pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>, rate: f64) -> io::Result<()> {
@@ -61,7 +61,7 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
     if s.clipped > 0 {
         writeln!(out, "  {:<15}{} samples at full scale", "clipped", s.clipped)?;
     }
-    if let Some(a) = &s.audio {
+    for a in s.audio_before.iter().chain(&s.audio) {
         let (rate, buffer, ms, ppm) = (a.playback.rate, a.buffer, short(a.latency_ms), a.ppm);
         let who = format!("{} ({})", a.playback.device, a.playback.host);
         writeln!(out, "  {:<15}{who}, {rate} Hz {ppm:+.1} ppm, {buffer} frames, heard after {ms} ms", "played by")?;

@@ -1,4 +1,4 @@
-//! What goes through shared memory: the gateway of the devices, and the control.
+//! Speaks to other processes: to devices by the gateway, to `ca set`, `ca disarm` and the like by the control.
 
 use super::answer::{Change, answer};
 use crate::outcome::Failure;
@@ -14,6 +14,10 @@ use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::take::dofs;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+/// Delay of claims by a server without the control, so that the server with the control is first.
+const SECOND: Duration = Duration::from_millis(300);
 
 /// Open lines; none for a scene that needs none.
 pub(super) struct Talk {
@@ -30,8 +34,8 @@ pub(super) struct Talk {
 }
 
 impl Talk {
-    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` and
-    /// without devices goes without: it is set in its page.
+    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` goes without: it
+    /// is set and armed in its page. The other server has a device first that both name.
     pub(super) fn open(
         setups: &[Setup],
         unknown: Vec<Option<Profile>>,
@@ -59,15 +63,21 @@ impl Talk {
             return Ok(talk);
         }
         let site = Site::of_user()?;
-        site.sweep();
         if !names.is_empty() {
-            let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
-            talk.gateway = Some(Gateway::start(&site, &names, rings, request)?);
+            site.sweep();
         }
         match ControlServer::open(&site) {
             Ok(control) => talk.control = Some(control),
-            Err(e) if page && names.is_empty() => term::note(&format!("`ca set` does not reach this one: {e}")),
+            Err(e) if page => {
+                let verbs = if names.is_empty() { "`ca set` does" } else { "`ca set`, `ca arm` and `ca disarm` do" };
+                term::note(&format!("{verbs} not reach this one, its page does: {}", e.what));
+            }
             Err(e) => return Err(e.into()),
+        }
+        if !names.is_empty() {
+            let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
+            let after = if talk.control.is_some() { Duration::ZERO } else { SECOND };
+            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after)?);
         }
         talk.site = Some(site);
         Ok(talk)
@@ -86,6 +96,8 @@ impl Talk {
             ("full", &t.full),
             ("sent", &t.sent),
             ("unsent", &t.unsent),
+            ("unclaimed", &t.unclaimed[0]),
+            ("unclaimed_forces", &t.unclaimed[1]),
         ];
         Some(counts.map(|(name, n)| (name, n.load(Relaxed))))
     }
@@ -107,6 +119,9 @@ impl Talk {
             match event {
                 Event::Here { session } => recorder.say(false, format!("{name}: here (session {session:x})")),
                 Event::Gone => recorder.say(true, format!("{name}: gone")),
+                Event::Taken(who) => {
+                    recorder.say(true, format!("{who}; that process keeps the device until it ends"));
+                }
                 Event::Foreign(why) => {
                     let fix = why.fix();
                     recorder.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
@@ -133,10 +148,8 @@ impl Talk {
         }
         // an engine that has more to do than it can take is asked again
         self.refits.retain(|k| recorder.refit(*k, self.setups[*k as usize].clone()).is_err());
-        if sweep {
-            if let Some(site) = &self.site {
-                site.sweep();
-            }
+        if let (true, Some(site), Some(_)) = (sweep, &self.site, &self.gateway) {
+            site.sweep();
         }
         let mut leave = false;
         if let Some(control) = &mut self.control {

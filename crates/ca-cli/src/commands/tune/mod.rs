@@ -103,12 +103,7 @@ pub fn run(args: &TuneArgs) -> Outcome {
     }
     let text = doc.to_string();
     if args.to.in_place {
-        let path = Path::new(&args.model);
-        if !path.exists() {
-            let why = "a bundled model is not yours to change; name a file by `--write FILE.ca.toml`";
-            return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
-        }
-        ca_io::atomic_file::write(path, text.as_bytes())?;
+        ca_io::atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;
     } else if let Some(path) = &args.to.write {
         super::new::write(path, &text, args.to.force)?;
     }

@@ -54,6 +54,26 @@ fn the_page_of_the_format_names_all_there_is() {
     }
 }
 
+/// Every key of a profile that is none of the guard stands on the page of devices, with its default where it has one.
+#[test]
+fn the_page_of_devices_has_the_keys_of_profiles() {
+    let page = std::fs::read_to_string(from_root("docs/devices.md")).unwrap();
+    let least = serde_json::json!({ "name": "x", "title": "x", "source": "x", "dof": 1, "range": [0, 1], "force": 1 });
+    let profile: ca_haptic::profile::Profile = serde_json::from_value(least.clone()).unwrap();
+    let all = serde_json::to_value(profile).unwrap();
+    let own = all.as_object().unwrap().iter().filter(|(key, _)| !["guard", "body"].contains(&key.as_str()));
+    for (key, default) in own.chain(all["body"].as_object().unwrap()) {
+        let row = page.lines().find(|l| l.starts_with(&format!("| `{key}` |")));
+        let row = row.unwrap_or_else(|| panic!("`{key}` is not on the page"));
+        let cell = row.trim_end_matches('|').rsplit('|').next().unwrap().trim();
+        if default.is_null() || least.get(key).is_some() {
+            assert!(cell.parse::<f64>().is_err(), "{row}");
+        } else {
+            assert_eq!(cell.parse::<f64>().ok(), default.as_f64(), "{row}");
+        }
+    }
+}
+
 /// Every number of the guard stands on the page of safety with its default, every cause with its name, and the README
 /// leads there.
 #[test]

@@ -130,3 +130,25 @@ fn velocity_is_how_loud_a_pluck_is() {
         assert!(loud[1] > 1.3 * loud[0] && loud[2] > 1.3 * loud[1], "{model}: {loud:?}");
     }
 }
+
+/// A link that leads nowhere: a file that is written goes where it leads, and one that is read is not suggested.
+#[cfg(unix)]
+#[test]
+fn links_to_files_that_are_not_there() {
+    use std::os::unix::fs::symlink;
+    let desk = Desk::new();
+    desk.put("bar.ca.toml", BAR);
+    symlink("new.wav", desk.path("link.wav")).unwrap();
+    desk.ca(&["render", "bar.ca.toml", "-o", "link.wav", "--seconds", "0.1"]).is(0);
+    assert!(desk.path("link.wav").is_symlink() && desk.path("new.wav").is_file());
+    symlink("round.wav", desk.path("round.wav")).unwrap();
+    let r = desk.ca(&["render", "bar.ca.toml", "-o", "round.wav", "--seconds", "0.1"]).is(1);
+    r.says(&["its symbolic links lead in a circle"]);
+    assert!(desk.path("round.wav").is_symlink());
+    symlink("loop.ca.toml", desk.path("loop.ca.toml")).unwrap();
+    let r = desk.ca(&["check", "loop.ca.toml"]).is(2).says(&["a symbolic link that leads to no file"]);
+    assert!(!r.err.contains("did you mean"), "{}", r.err);
+    // nor is it for a word that is like it
+    let r = desk.ca(&["check", "lop.ca.toml"]).is(2);
+    assert!(!r.err.contains("loop"), "{}", r.err);
+}

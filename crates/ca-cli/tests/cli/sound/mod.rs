@@ -3,6 +3,8 @@
 mod bench;
 pub mod degraded;
 mod files;
+mod midi;
+mod pipes;
 mod render;
 mod report;
 pub mod sweep;

@@ -206,7 +206,7 @@ fn ctrl_c_leaves_nothing_behind() {
         .args(["render", "bar.ca.toml", "--seconds", "20000", "--probe", "bar"])
         .current_dir(&desk.0)
         .stdout(Stdio::null())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     // both files stand: the handler was in place before
@@ -219,7 +219,11 @@ fn ctrl_c_leaves_nothing_behind() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(130));
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert!(said.contains("interrupted after") && said.contains("of 20000 s: none of it is kept"), "{said}");
+    assert!(said.contains("`bar.wav` was not written"), "{said}");
     assert_eq!(desk.files(), ["bar.ca.toml"]);
 }
 
@@ -287,7 +291,7 @@ fn a_body_is_read_from_the_folder_of_its_model() {
     r.says(&["error[E031]: `file` of `room.bell`: `models/parts/bell.obj`: it cannot be read", "^ cannot be read"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 9\n");
     let r = desk.ca(&["render", "models/body.ca.toml"]).is(1);
-    r.says(&["`models/parts/bell.obj`, line 6: `9` is no point", "help: points count from 1"]);
+    r.says(&["`models/parts/bell.obj`, line 6: `9` is not a point", "help: points count from 1"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
     desk.ca(&["check", "models/body.ca.toml"]).is(0).says(&["5 MAT", "5 REF"]);
     let render = ["render", "models/body.ca.toml", "--seconds", "200 ms", "--energy", "-o", "body.wav", "-q"];

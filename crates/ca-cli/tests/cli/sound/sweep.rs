@@ -317,7 +317,7 @@ fn what_is_stopped_goes_on() {
     let plan = small().replace("runs = 23", "runs = 400").replace("seconds = 0.05", "seconds = 0.5");
     desk.put("s.sweep.toml", &plan);
     for signal in ["INT", "KILL"] {
-        let mut child = desk.start(&["sweep", "s.sweep.toml", "--threads", "2"]);
+        let child = desk.start(&["sweep", "s.sweep.toml", "--threads", "2"]);
         let end = std::time::Instant::now() + std::time::Duration::from_secs(60);
         // while it goes on, what is not finished comes and goes
         let count = || {
@@ -333,10 +333,16 @@ fn what_is_stopped_goes_on() {
             std::thread::sleep(std::time::Duration::from_millis(5));
         }
         desk.sh(&format!("kill -{signal} {}", child.id()));
-        let status = child.wait().unwrap();
+        let ended = child.wait_with_output().unwrap();
+        let status = ended.status;
         assert!(!status.success());
         if signal == "INT" {
             assert_eq!(status.code(), Some(130));
+            let said = String::from_utf8(ended.stderr).unwrap();
+            let (there, _) =
+                said.split_once(" of 400 runs are in `s` and stay there").unwrap_or_else(|| panic!("{said}"));
+            let there: usize = there.rsplit(' ').next().unwrap().parse().unwrap();
+            assert!(there > 0 && there < 400 && said.contains("the same command goes on with the others"), "{said}");
             assert!(files(&desk.path("s")).keys().all(|f| !f.contains(".part")), "what is not finished is gone");
         }
         assert!(!desk.path("s/manifest.parquet").exists());

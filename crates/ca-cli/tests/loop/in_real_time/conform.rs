@@ -1,7 +1,7 @@
 //! `ca device conformance`: what keeps the rules passes, and every lie is found by the row that is about it.
 
 use crate::liar::{Liar, Lie};
-use crate::stage::{Ran, Stage};
+use crate::stage::{Ran, Stage, until};
 use serde_json::Value;
 use std::sync::RwLock;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -67,6 +67,19 @@ fn a_device_without_our_client_passes() {
     passes(&stage, "key");
 }
 
+/// The option that is suggested for a device without a profile is one that this command has.
+#[test]
+fn a_device_without_a_profile_is_given_one_as_suggested() {
+    let stage = Stage::beside();
+    let device = stage.spawn(&["device", "sim", "--profile", "key", "--name", "other", "--script", "hold"]);
+    let with = |more: &[&str]| stage.ca(&[&["device", "conformance", "other", "--force", "0"][..], more].concat());
+    until("it speaks", || stage.ca(&["device", "list"]).out.contains("other"));
+    with(&[]).says(&["--profile other=NAME", "profile `unknown`"]);
+    with(&["--profile", "other=key"]).says(&["profile `key`"]);
+    with(&["--profile", "another=key"]).is(2).says(&["the device is `other`"]);
+    drop(device);
+}
+
 #[test]
 fn a_device_that_cannot_be_had_is_an_error() {
     // nobody is there
@@ -74,6 +87,8 @@ fn a_device_that_cannot_be_had_is_an_error() {
     stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no device of that name", "ca device list"]);
     // the server has it
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let _device = stage.key(&["--script", "hold"]);
+    until("it speaks", || stage.state().2 > 100);
     stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
 }
 
@@ -99,7 +114,12 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
             break;
         }
     }
-    assert!(!row(&last, name).0, "{lie:?}: {last:#}");
+    let (pass, said) = row(&last, name);
+    assert!(!pass, "{lie:?}: {last:#}");
+    if name == "spring" {
+        let [still, sign] = ["hold it still", "same sign"].map(|words| said.contains(words));
+        assert_eq!([still, sign], [lie == Lie::Moves, lie == Lie::Sign], "{lie:?}: {said}");
+    }
     if lie == Lie::NoForce {
         let rows = last["rows"].as_array().unwrap();
         assert!(rows.iter().all(|r| r["name"] != "watchdog"), "{last:#}");
@@ -118,6 +138,7 @@ fn lies_are_found() {
         (Lie::Measured, "measured"),
         (Lie::Layout, "layout"),
         (Lie::Sign, "spring"),
+        (Lie::Moves, "spring"),
         (Lie::Watchdog, "watchdog"),
         // one that has no force to begin with is not said to end it
         (Lie::NoForce, "arms again"),

@@ -1,6 +1,6 @@
 //! Who asks without end keeps nobody from disarming.
 
-use crate::stage::{KEY, Stage, until};
+use crate::stage::{KEY, Proc, Stage, until};
 use ca_haptic::host::control::Request;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, encoder};
 use std::fmt::Write as _;
@@ -9,10 +9,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 
+/// The port of OSC that a server prints.
+pub fn port(server: &Proc) -> u16 {
+    let port = || server.said().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
+    until("it says where it listens", || port().is_some());
+    port().unwrap()
+}
+
 /// Live parameters: each is a packet in every answer to `/state`.
 const PARAMS: usize = 100;
 
-/// Two others of this machine send bundles of questions by OSC as fast as they can: the server disarms, and ends, all the same.
+/// Two programs, one with the token and one without, send bundles of questions by OSC as fast as they can: the server
+/// disarms, and ends, all the same.
 #[test]
 fn a_flood_of_osc_does_not_keep_forces_on() {
     let stage = Stage::new();
@@ -24,17 +32,19 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
     let server = stage.serve("many.ca.toml", &["--osc", "0"]);
     let _key = stage.key(&[]);
     stage.on();
-    let port = || server.said().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
-    until("it says where it listens", || port().is_some());
-    let to = (std::net::Ipv4Addr::LOCALHOST, port().unwrap());
+    let to = (std::net::Ipv4Addr::LOCALHOST, port(&server));
 
-    let ask = OscPacket::Message(OscMessage { addr: "/state".into(), args: Vec::new() });
-    let timetag = OscTime { seconds: 0, fractional: 1 };
-    let bundle = encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![ask; 160] })).unwrap();
+    let token = stage.read("c/osc-token");
     let over = Arc::new(AtomicBool::new(false));
-    let senders: Vec<_> = (0..2)
-        .map(|_| {
-            let (bundle, over) = (bundle.clone(), over.clone());
+    let senders: Vec<_> = [format!("/{}/state", token.trim()), "/state".into()]
+        .into_iter()
+        .map(|addr| {
+            let ask = OscPacket::Message(OscMessage { addr, args: Vec::new() });
+            let timetag = OscTime { seconds: 0, fractional: 1 };
+            // as many as a packet may have
+            let many = 4000 / (encoder::encode(&ask).unwrap().len() + 4);
+            let bundle = encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![ask; many] })).unwrap();
+            let over = over.clone();
             thread::spawn(move || {
                 let socket = UdpSocket::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
                 while !over.load(Relaxed) {

@@ -68,7 +68,7 @@ fn account(p: &Played) {
     // from the first that was answered: before it the lines were being opened
     let sent = number(device, &["frames"]) + 1 - number(device, &["first_answered"]);
     let t = |k: &str| number(server, &["traffic", k]);
-    let (received, missed) = (t("received"), t("missed"));
+    let (received, missed) = (t("received") - t("unclaimed"), t("missed"));
     // the last of a device that leaves can be gone before somebody looks, and the first answer can be to the last of
     // several: four lie in the queue
     assert!(sent.abs_diff(received + missed) <= 4, "{sent} sent, {received} + {missed}");
@@ -76,7 +76,8 @@ fn account(p: &Played) {
     assert_eq!(number(server, &["lost_records"]), 0);
     assert_eq!(received - t("full"), number(&server["devices"][0], &["frames"]), "what came went to the engine");
     // and every force: those of the engine are sent, or counted; the last is that forces are off
-    let (made, left) = (number(server, &["frames"]), t("unsent") + number(server, &["lost_forces"]));
+    let (made, left) =
+        (number(server, &["frames"]), t("unsent") + t("unclaimed_forces") + number(server, &["lost_forces"]));
     assert_eq!(t("sent") + left, made);
     // and seen by who looks, or known to be missing
     let seen = forces.frames.len() as u64;

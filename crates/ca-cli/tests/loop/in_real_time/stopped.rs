@@ -179,7 +179,7 @@ fn a_second_server_and_a_second_device_are_refused() {
     let stage = Stage::new();
     let server = stage.serve("key.ca.toml", &["--quiet"]);
     let busy = stage.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
-    busy.says(&["has a server already", &server.id().to_string(), "CA_SHM_ROOT"]);
+    busy.says(&["a server runs at", &server.id().to_string(), "CA_SHM_ROOT"]);
     let device = stage.key(&["--script", "hold"]);
     until("it speaks", || stage.state().2 > 100);
     let busy = stage.key(&["--seconds", "1"]).end().is(1);
@@ -187,6 +187,31 @@ fn a_second_server_and_a_second_device_are_refused() {
     // both go on
     let frames = stage.state().2;
     until("the first ones go on", || stage.state().2 > frames + 300);
+}
+
+/// Three models with devices are open at the same time; the device plays with the first, then with the second.
+#[test]
+fn a_second_page_plays_beside_the_first_and_gets_the_device_when_that_one_ends() {
+    let stage = Stage::new();
+    let play = |model: &str| {
+        let page = stage.spawn(&["play", model, "--no-open", "--port", "0", "--audio", "page"]);
+        until("the page is there", || page.said().contains("play it at http"));
+        page
+    };
+    let first = play("hammer_piano");
+    let second = play("piano_key");
+    let third = play("key.ca.toml");
+    assert!(second.said().contains("`ca arm` and `ca disarm` do not reach this one"), "{}", second.said());
+    drop(third);
+    let device = stage.spawn(&["device", "sim", "--profile", "tgr12", "--seconds", "600"]);
+    until("the first has it", || first.said().contains("tgr12: here"));
+    until("the second says so", || second.said().contains("`tgr12` has a server already"));
+    assert!(second.said().contains(&format!("process {}", first.id())), "{}", second.said());
+    assert!(!second.said().contains("tgr12: here"), "{}", second.said());
+    let told = first.stop();
+    assert!(!told.err.contains("has a server already"), "{}", told.err);
+    until("then the second has it", || second.said().contains("tgr12: here"));
+    drop((device, second));
 }
 
 #[test]

@@ -3,11 +3,10 @@
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::{Batch, JOINT};
-use crate::net::{End, LiaNode, Measure, Pruned};
+use crate::net::{End, Measure, Pruned, elongation};
 use crate::options::Options;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
-use ca_core::kind::Role;
 use ca_core::live::{Loader, Source};
 use ca_core::numeric::real;
 use ca_core::op::layout::{HeardLink, PairSet};
@@ -82,44 +81,6 @@ impl Plan<'_> {
         }
     }
 
-    /// What two ends at rest add to the elongation beside what the kernel measures, and their distance.
-    fn at_rest(&self, ends: [End; 2], measure: Measure) -> (f64, f64) {
-        let v = self.net.apart(ends);
-        match measure {
-            Measure::Line([a, b]) => {
-                let d = self.net.rest(ends[1])[b as usize] - self.net.rest(ends[0])[a as usize];
-                (d, d)
-            }
-            Measure::Along(n) => {
-                let d = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
-                (d, d)
-            }
-            // the kernel measures the whole distance
-            Measure::Radial => (0.0, libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])),
-        }
-    }
-
-    /// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position. The
-    /// second port of a quadripole is slack at rest.
-    fn offset(&self, l: &LiaNode) -> f64 {
-        let (constant, distance) = self.at_rest(l.ends, l.measure);
-        let generated = matches!(l.kind.role, Role::Lia(_)) && self.net.items[l.item as usize].kind.code != l.kind.code;
-        let has_length = generated || l.kind.param("l0").is_some();
-        let slack = if has_length { l.l0.unwrap_or(distance) } else { 0.0 };
-        let slack = if l.measure == Measure::Radial && l.soften != 0.0 {
-            libm::sqrt(slack * slack + l.soften * l.soften)
-        } else {
-            slack
-        };
-        let second = l.onto.as_ref().map_or(0.0, |o| {
-            let (constant, distance) = self.at_rest(o.ends, o.measure);
-            let soft = if o.measure == Measure::Radial { l.soften } else { 0.0 };
-            let slack = if soft == 0.0 { distance } else { libm::sqrt(distance * distance + soft * soft) };
-            constant - slack
-        });
-        constant - slack + second
-    }
-
     /// Lays out all links.
     pub fn links(&mut self, batches: Vec<Batch>, options: &Options, diags: &mut Diags, model: &Model) -> Links {
         let net = self.net;
@@ -177,7 +138,7 @@ impl Plan<'_> {
                 }
                 let l = &net.lias[*id as usize];
                 k.ends.push(self.ends(*id));
-                k.e0.push(self.offset(l));
+                k.e0.push(elongation::offset(self.net, l));
                 k.where_is[*id as usize] = (k.forces.len() as u32, i as u32);
                 let mut values = Cow::Borrowed(&l.values[..]);
                 if law.implicit && !l.law.implicit {

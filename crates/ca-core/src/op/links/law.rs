@@ -15,10 +15,10 @@ impl Law {
         c
     }
 
-    /// Its memory at load, for elongation `e`.
+    /// Its memory at load, for elongation `e` of ends that stand still.
     pub fn started(&self, c: &[Real], e: Real) -> Vec<Real> {
         let mut mem = alloc::vec![real(0.0); self.mem];
-        (self.start)(c, e, &mut mem);
+        (self.start)(c, [e, real(0.0)], &mut mem);
         mem
     }
 
@@ -34,7 +34,7 @@ impl Law {
             stage: SolveStage::Explicit,
             implicit: false,
             load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
-            start: |c, e, mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),
+            start: |c, [e, _], mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),
             force: |c, mem, tables, e, w| {
                 let mut m = numbers(mem);
                 let f = P::force(&numbers(c), &mut m, tables, e, w);
@@ -44,6 +44,7 @@ impl Law {
             energies: Energies::of::<P, C, M>(),
             idle: |c| P::idle(&numbers(c)),
             bound: |c, tables| P::bound(&numbers(c), tables),
+            steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
             kernel: kernel::<P, C, M>,
             simpler: |_| None,
             table: None,

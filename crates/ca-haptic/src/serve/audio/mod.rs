@@ -11,12 +11,14 @@
 
 mod dll;
 mod follow;
+mod outlet;
 mod player;
 #[cfg(test)]
 mod tests;
 
 pub use dll::Dll;
 pub use follow::Follow;
+pub use outlet::{Outlet, Outputs, Patch, outlet};
 pub use player::Player;
 
 use rtrb::{Consumer, RingBuffer};

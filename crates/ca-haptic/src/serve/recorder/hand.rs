@@ -92,7 +92,7 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
     }
 
-    /// Sends a position port, or a device key whose device has said nothing, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
+    /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
     /// In words, where there is no such port, it is that of a device, or the engine takes no order.
@@ -105,7 +105,7 @@ impl Recorder {
             return Err(format!("the model has no port `{name}`; {}", all()));
         };
         let device = self.scene.inputs[input].device.as_ref();
-        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && s.frames > 0)) {
+        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && d.1 < s.dof)) {
             return Err(format!("`{name}` is moved by its device, `{}`", device.0));
         }
         if !value.is_finite() || over.is_nan() {

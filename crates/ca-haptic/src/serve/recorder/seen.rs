@@ -23,6 +23,8 @@ pub(super) struct Seen {
     pub mode: Mode,
     pub cause: Cause,
     pub frames: u64,
+    /// degrees of freedom in its last frame
+    pub dof: u32,
     /// forces were on
     forces_on: bool,
     /// its passivity stage adds nothing for a while
@@ -46,6 +48,7 @@ impl Seen {
             mode: Mode::Off,
             cause: Cause::Disarmed,
             frames: 0,
+            dof: 0,
             forces_on: false,
             undamped: false,
             wait: None,
@@ -60,6 +63,7 @@ impl Seen {
     /// A frame of it; the latency of the loop that it ends \[ns\], if it ends one.
     pub fn sent(&mut self, frame: &DeviceFrame) -> Option<u64> {
         self.frames += 1;
+        self.dof = u32::from(frame.n);
         let ns = self.loops.device(frame, crate::rt::now_ns())?;
         self.times.add(ns);
         Some(ns)

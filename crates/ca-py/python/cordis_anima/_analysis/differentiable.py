@@ -79,8 +79,12 @@ class Instances:
             found[places] = scene.gradient(names, cotangent=cotangent, gesture=self._gesture).gradient
             return found
 
-        with ThreadPoolExecutor(self._threads) as pool:
+        pool = ThreadPoolExecutor(self._threads)
+        try:
             all = list(pool.map(one, rows, given))
+        finally:
+            # Ctrl-C does not wait for rows under way
+            pool.shutdown(wait=False, cancel_futures=True)
         return np.array(all).reshape(values.shape)
 
     def _said(self, row: Floats) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._errors import UsageError
-from .._results import length, number, whole
+from .._results import length, number, transposed, whole
 from .._gestures import Gesture, Path, made
 from .measured import Progress
 from .._scene import Scene
@@ -31,8 +31,8 @@ class Fitted(NamedTuple):
 
     #: what was found
     value: float
-    #: one standard deviation; ``None`` where the sound does not determine it, the search has not settled, or the model does not
-    #: explain the sound
+    #: one standard deviation; ``None`` where the sound does not determine it, the search has not settled or may be in another
+    #: minimum, or the model does not explain the sound
     deviation: float | None
     #: its unit; empty for a plain number
     unit: str
@@ -40,6 +40,21 @@ class Fitted(NamedTuple):
     start: float
     #: whether it is at an end of its range
     at_end: bool
+
+
+class Pitch(NamedTuple):
+    """Pitches [Hz], by the period after which a sound repeats best; ``None`` of what has none."""
+
+    #: of the recording
+    recording: float | None
+    #: of the model where it started
+    start: float | None
+    #: of the model with the values found
+    found: float | None
+    #: whether it started more than a semitone from the recording: then there are deviations only where the samples agree
+    far: bool
+    #: whether it ended at another pitch, which is another minimum; if so, all deviations are ``None``
+    elsewhere: bool
 
 
 class Beyond(NamedTuple):
@@ -77,6 +92,8 @@ class Fit:
     settled: bool
     #: whether so little is left that the sound may be one of this model; if not, all deviations are ``None``
     explained: bool
+    #: pitches of the recording and of the model
+    pitch: Pitch
     #: what somebody should know of the values, a sentence each
     warnings: tuple[str, ...]
     #: distance before
@@ -105,7 +122,7 @@ def fit(
 
     Args:
         scene: where the search starts.
-        target: a WAV file, or samples ``(frames,)`` or ``(frames, channels)``.
+        target: a WAV or FLAC file, or samples ``(frames,)`` or ``(frames, channels)``.
         vary: names of numbers, as `Scene.replace` knows them.
         sr: rate of samples [Hz]; that of the scene if none. A file has its own.
         ranges: how far a number may go, from and to, numbers or text with units.
@@ -139,6 +156,7 @@ def fit(
         samples = np.asarray(target, dtype=np.float64)
         if samples.ndim == 1:
             samples = samples[:, None]
+        transposed(samples)
         if samples.ndim != 2 or not samples.size or not np.isfinite(samples).all():
             raise UsageError("a recording is an array (frames,) or (frames, channels) of finite numbers")
         given = (float(scene.rate if sr is None else sr), np.ascontiguousarray(samples))
@@ -173,6 +191,7 @@ def fit(
         stage=raw["stage"],
         settled=raw["settled"],
         explained=raw["explained"],
+        pitch=Pitch(*raw["pitch"]),
         warnings=tuple(raw["warnings"]),
         before=Distance(**raw["before"]),
         after=Distance(**raw["after"]),

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from .. import _core
 from .._errors import UsageError
 from .._gestures import Gesture, made
-from .._results import Floats, length, reals, whole
+from .._results import Floats, length, reals, transposed, whole
 
 #: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
@@ -43,6 +43,10 @@ class Tangents:
     def __getitem__(self, name: str) -> Floats:
         """The derivatives by one parameter (frames, channels)."""
         return self.tangents[:, :, _place(self.wrt, name)]
+
+    def __repr__(self) -> str:
+        frames, channels = self.audio.shape
+        return f"<Tangents: {frames} frames x {channels} at {self.sr} Hz by {', '.join(self.wrt)}>"
 
     def gradient(self, cotangent: npt.ArrayLike) -> Floats:
         """The gradient (parameters) of a loss whose derivatives by the samples are `cotangent` (frames, channels)."""
@@ -114,6 +118,12 @@ class Gradient:
         """The derivative by one parameter."""
         return float(self.gradient[_place(self.wrt, name)])
 
+    def __repr__(self) -> str:
+        by = ", ".join(f"{name}: {slope:.6g}" for name, slope in zip(self.wrt, self.gradient))
+        inputs = f"; inputs {', '.join(self.inputs)}" if self.inputs else ""
+        loss = "" if self.loss is None else f"loss {self.loss:.6g}, "
+        return f"<Gradient: {loss}{by or 'no parameters'}{inputs}, {self.mode} mode>"
+
 
 def _place(names: Sequence[str], name: str) -> int:
     if name not in names:
@@ -125,9 +135,12 @@ def _cotangent(given: npt.ArrayLike, shape: tuple[int, ...] | None) -> Floats:
     values = reals("cotangent", given)
     if values.ndim == 1:
         values = values[:, np.newaxis]
+    if shape is None:
+        transposed(values)
     if values.ndim != 2 or (shape is not None and values.shape != shape):
         wanted = "(frames, channels)" if shape is None else str(shape)
-        raise UsageError(f"the cotangent has the shape {np.shape(given)}: {wanted}")
+        turned = "; transpose it, `.T`" if values.shape[::-1] == shape else ""
+        raise UsageError(f"the cotangent has the shape {np.shape(given)}: {wanted}{turned}")
     return np.ascontiguousarray(values)
 
 

@@ -32,7 +32,7 @@ def _made(
 ) -> _core.Sweep:
     """The sweep of a call, once in each process; another call has its own, which another one's end does not stop."""
     rate, runs, seed, seconds, energy, measure = asked
-    hands = None if gesture is None else _core.Gesture(pickle.loads(gesture))
+    hands = None if gesture is None else _core.Gesture(*pickle.loads(gesture))
     return _core.Sweep(
         _core.Model.from_bytes(model, name),
         rate=rate,

@@ -291,7 +291,7 @@ def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gestur
             axes.append((name, [value(name, v) for v in values]))
     rate, _ = scene._asked
     hands = made(scene._compiled, gesture)
-    held = None if hands is None else pickle.dumps(hands.tracks(), 4)
+    held = None if hands is None else pickle.dumps((hands.tracks(), hands.midi), 4)
     model = scene._model
     return Job((model.bytes(), model.name, (rate, *asked), pickle.dumps(axes, 4), held, uuid.uuid4().hex))
 

@@ -20,6 +20,8 @@ const RISE: usize = 10;
 const BEYOND: f64 = 1.5;
 /// ... and how much the guard may add, as part of the largest force of the device.
 const GUARD: f64 = 0.1;
+/// A hand that moves by more than this part of the stretch without a force is not held still.
+const MOVED: f64 = 0.5;
 
 /// Another engine after a watchdog, whose frames live twice as long: what stands still for milliseconds is this machine,
 /// and how long a force lives is no matter of the device, as long as it ends then.
@@ -118,7 +120,9 @@ pub(super) fn spring(
     for attempt in 1..=TRIES {
         // from where it is now, which pulls before may have changed
         *p = b.player(profile)?;
+        b.forget();
         b.play(p, REST);
+        let moved = travelled(&b.frames);
         if !on(b, p, profile)? {
             never_on(b, t, "the spring");
             return Ok(());
@@ -159,11 +163,30 @@ pub(super) fn spring(
             short(limit),
             short(off)
         );
-        let hint = if most > limit { "; do positions and forces have the same sign?" } else { "" };
-        t.row("spring", pass, what + hint);
+        let hint = if !pass && moved > MOVED * p.stretch {
+            let moved = short(1e3 * moved);
+            format!("; the hand moved by {moved} mm without a force: hold it still, and test again")
+        } else if most > limit {
+            "; do positions and forces have the same sign?".into()
+        } else {
+            String::new()
+        };
+        t.row("spring", pass, what + &hint);
         return Ok(());
     }
     Ok(())
+}
+
+/// Travel of a hand at the degree of freedom that went farthest \[m\].
+fn travelled(frames: &[DeviceFrame]) -> f64 {
+    let n = frames.iter().map(|f| f.n as usize).max().unwrap_or(0).min(DOF);
+    let way = |d: usize| {
+        let [low, high] = frames
+            .iter()
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], f| [low.min(f.pos[d]), high.max(f.pos[d])]);
+        high - low
+    };
+    (0..n).map(way).fold(0.0, f64::max)
 }
 
 /// Forces it measured and those it was given, of the last frame whose force is known; `None` where it measures none.

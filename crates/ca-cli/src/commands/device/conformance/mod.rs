@@ -24,6 +24,10 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
     if !(args.force >= 0.0 && args.force.is_finite()) {
         return Err(Failure::Usage("--force is 0 or more newtons".into()));
     }
+    let other = args.profile.iter().find(|g| g.split_once('=').is_some_and(|(device, _)| device != args.name));
+    if let Some(given) = other {
+        return Err(Failure::Usage(format!("--profile {given}: the device is `{}`", args.name)));
+    }
     let calibration = store::calibration_of(&args.name, &[])?;
     let mut bench = Bench::open(&Site::of_user()?, &args.name, calibration)?;
     rt::ask(RtRequest { priority: Some(70), ..RtRequest::default() });
@@ -38,7 +42,7 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
             term::note(&format!("`{}` is given forces of up to {} N", args.name, short(force)));
         }
         quiet::alive(&mut bench, &about, &mut table);
-        quiet::served(&mut bench, &args.name, &about, &mut table)?;
+        quiet::served(&mut bench, args, &about, &mut table)?;
         let mut player = bench.player(&profile)?;
         quiet::rest(&mut bench, &mut player, &mut table);
         let on = forced::forces(&mut bench, &mut player, &mut profile, force, &mut table)?;

@@ -3,6 +3,7 @@
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::table::CheckTable;
+use crate::args::ConformanceArgs;
 use crate::outcome::Failure;
 use crate::store;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
@@ -107,8 +108,8 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
 }
 
 /// Whether `ca serve` would use its frames, with the profile it would take, and give it forces.
-pub(super) fn served(b: &mut Bench, name: &str, a: &About, t: &mut CheckTable) -> Result<(), Failure> {
-    let own = store::profile_of(name, &[])?;
+pub(super) fn served(b: &mut Bench, args: &ConformanceArgs, a: &About, t: &mut CheckTable) -> Result<(), Failure> {
+    let own = store::profile_of(&args.name, &args.profile)?;
     let profile = if own.is_unknown() {
         match own.described(a) {
             Ok(p) => p,

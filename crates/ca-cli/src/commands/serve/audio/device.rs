@@ -9,8 +9,7 @@ use crate::load;
 use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::Recorder;
-use ca_haptic::serve::audio::{Follow, PlaybackDevice, link};
+use ca_haptic::serve::audio::{Follow, PlaybackDevice, Watch, link};
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
     BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
@@ -20,13 +19,8 @@ use std::sync::mpsc::channel;
 
 /// Frames a device is given at once where nobody says and it has a choice.
 const BUFFER: u32 = 256;
-/// Opens what was asked for, and hands the engine's side of it to engine and recorder.
-pub(super) fn open(
-    wanted: &str,
-    buffer: Option<u32>,
-    scene: &Scene,
-    recorder: &mut Recorder,
-) -> Result<(Playing, Follow), Failure> {
+/// Opens what was asked for.
+pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), Failure> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, buffer)?;
@@ -61,9 +55,8 @@ pub(super) fn open(
             None,
         )
         .map_err(failed)?;
-    recorder.hears(watch);
     let output = Any::Device(Output { stream });
-    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow))
+    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow, watch))
 }
 
 /// An open device.
@@ -104,8 +97,13 @@ fn all() -> Vec<(HostId, Device)> {
     hosts.flat_map(|(id, host)| host.output_devices().into_iter().flatten().map(move |d| (id, d))).collect()
 }
 
+/// Names of everything that plays.
+pub(super) fn names() -> Vec<String> {
+    all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect()
+}
+
 fn there_is() -> String {
-    let mut names: Vec<String> = all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect();
+    let mut names = names();
     if super::jack::is_there() {
         names.push("jack".into());
     }

@@ -10,8 +10,7 @@ use super::{Output as Any, Playing};
 use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::Recorder;
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
+use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
 use jack::{
     AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, MidiIn, NotificationHandler, Port,
     PortFlags, ProcessHandler, ProcessScope,
@@ -36,12 +35,7 @@ pub(super) struct Output {
 
 /// Opens a client: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the scene as it is.
 /// It takes MIDI where `midi` says so.
-pub(super) fn open(
-    scene: &Scene,
-    buffer: Option<u32>,
-    midi: bool,
-    recorder: &mut Recorder,
-) -> Result<(Playing, Follow), Failure> {
+pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), Failure> {
     let none = |_| {
         let how =
             "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
@@ -74,7 +68,6 @@ pub(super) fn open(
     let counts = watch.counts.clone();
     let process = Process { ports, midi, player, mixed: vec![0.0; MOST * wide] };
     let notes = Notes { counts: counts.clone() };
-    recorder.hears(watch);
     let output = Output {
         waits: Some((client, process, notes)),
         plays: None,
@@ -83,7 +76,7 @@ pub(super) fn open(
         rate: f64::from(rate),
         words: tell,
     };
-    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK", events }, follow))
+    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK", events }, follow, watch))
 }
 
 /// A port of MIDI, and both ends of where its events go.

@@ -7,18 +7,23 @@
 pub(super) mod events;
 mod midi;
 mod osc;
+mod token;
 
+use super::devices;
 use crate::args::ServeArgs;
 use crate::outcome::Failure;
 use ca_core::Scene;
+use ca_haptic::engine::LONGEST;
 use ca_haptic::serve::Recorder;
+use ca_io::gesture::{Glide, Motion};
 use ca_io::live_midi::{Cable, LiveMidi, Played};
 use ca_lab::gesture::port_maps;
 use events::EventReader;
 use midi::Cables;
 use osc::Osc;
 use std::collections::{BTreeMap, BTreeSet};
-use std::time::Instant;
+use std::time::{Duration, Instant};
+use token::Token;
 
 /// Channel and number of a controller.
 type Control = (u8, u8);
@@ -36,6 +41,8 @@ pub(crate) struct Inputs {
     learning: Option<String>,
     /// controllers that were told to move nothing
     told: BTreeSet<Control>,
+    /// ports that the pedal held and that come up: where they go then, and when
+    lifted: Vec<(Instant, String, Glide)>,
 }
 
 impl Inputs {
@@ -46,26 +53,39 @@ impl Inputs {
         plays: bool,
         events: Option<EventReader>,
     ) -> Result<Inputs, Failure> {
+        // forces on a hand follow from what it does
+        let closed = args.osc_token.is_some() || !devices(scene).is_empty();
+        let osc = match args.osc {
+            Some(port) => Some(Osc::open(port, Token::open(args.osc_token.as_deref(), closed)?, closed)?),
+            None => None,
+        };
         Ok(Inputs {
             live: LiveMidi::new(&port_maps(scene)),
             cables: Cables::open(args.midi.as_deref(), plays)?,
             events,
-            osc: args.osc.map(Osc::open).transpose()?,
+            osc,
             bound: BTreeMap::new(),
             learning: None,
             told: BTreeSet::new(),
+            lifted: Vec::new(),
         })
     }
 
     /// Another version of the model plays: notes that were held are let go of with their ports.
     pub(crate) fn version(&mut self, scene: &Scene) {
         self.live = LiveMidi::new(&port_maps(scene));
+        self.lifted.clear();
+    }
+
+    /// The server of sound is another one, which brings these, or none.
+    pub(super) fn served(&mut self, events: Option<EventReader>) {
+        self.events = events;
     }
 
     /// What there is, in words.
     pub(super) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
-        let osc = self.osc.iter().map(|o| format!("OSC: UDP port {} of this machine", o.port()));
+        let osc = self.osc.iter().map(Osc::said);
         let events = self.events.iter().map(|e| format!("MIDI: {}", e.name()));
         midi.chain(events).chain(osc).collect()
     }
@@ -75,6 +95,12 @@ impl Inputs {
         // it waits where it is
         if recorder.is_swapping() {
             return;
+        }
+        let now = Instant::now();
+        while let Some(due) = self.lifted.iter().position(|l| l.0 <= now) {
+            let (_, name, glide) = self.lifted.swap_remove(due);
+            let done = recorder.port(&name, glide.to, glide.over);
+            complain(recorder, done);
         }
         if let Some(mut cables) = self.cables.take() {
             cables.turn(|cable, bytes| self.feed(recorder, cable, bytes));
@@ -104,7 +130,7 @@ impl Inputs {
     fn feed(&mut self, recorder: &mut Recorder, cable: &mut Cable, bytes: &[u8]) {
         for played in self.live.feed(cable, bytes) {
             let done = match played {
-                Played::Port(name, glide) => recorder.port(&name, glide.to, glide.over),
+                Played::Port(name, motion) => self.port(recorder, name, motion),
                 Played::Control { channel, number, part, used } => {
                     self.control(recorder, (channel, number), part, used)
                 }
@@ -113,10 +139,20 @@ impl Inputs {
                     Ok(())
                 }
             };
-            if let Err(why) = done {
-                recorder.say(true, format!("MIDI: {why}"));
-            }
+            complain(recorder, done);
         }
+    }
+
+    /// Sends a port on its way: at once, or once it has come up.
+    fn port(&mut self, recorder: &mut Recorder, name: String, Motion { lift, glide }: Motion) -> Result<(), String> {
+        self.lifted.retain(|l| l.1 != name);
+        let first = lift.unwrap_or(glide);
+        recorder.port(&name, first.to, first.over)?;
+        if lift.is_some() {
+            let up = Instant::now() + Duration::from_secs_f64(first.over.clamp(0.0, LONGEST));
+            self.lifted.push((up, name, glide));
+        }
+        Ok(())
     }
 
     fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), String> {
@@ -163,5 +199,12 @@ impl Inputs {
     /// Channel, number and parameter of each controller that is bound.
     pub(crate) fn bound(&self) -> impl Iterator<Item = (u8, u8, &str)> {
         self.bound.iter().map(|((channel, number), name)| (*channel, *number, name.as_str()))
+    }
+}
+
+/// Says why MIDI did nothing.
+fn complain(recorder: &mut Recorder, done: Result<(), String>) {
+    if let Err(why) = done {
+        recorder.say(true, format!("MIDI: {why}"));
     }
 }

@@ -1,7 +1,11 @@
 //! OSC over UDP, from this machine alone.
 //!
-//! Decides that time tags count as now, and that what a bundle sets is set in one tick; that what is wrong is answered
-//! (`/error`) to whoever sent it; and that a packet is at most [`LARGEST`] bytes, which also bounds how deep bundles nest.
+//! Every user of this machine can send here, so a model with devices takes only messages whose address begins with the
+//! token ([`token`](super::token)): `/TOKEN/param`. Of a packet with another message nothing is used. A model without
+//! devices takes all messages, with the token or without it.
+//!
+//! Time tags count as now, and a bundle sets all its values in one tick. A mistake is answered (`/error`) to the sender. A
+//! packet has at most [`LARGEST`] bytes, which also bounds how deep bundles nest.
 //!
 //! | message | does |
 //! |---|---|
@@ -12,6 +16,7 @@
 //! | `/state` | is answered by `/param NAME VALUE MIN MAX` for each, and `/tick N` |
 
 use super::Inputs;
+use super::token::Token;
 use crate::commands::serve::answer::value;
 use crate::outcome::Failure;
 use ca_haptic::engine::GLIDE;
@@ -28,22 +33,33 @@ const LARGEST: usize = 4096;
 pub(super) struct Osc {
     socket: UdpSocket,
     packet: Vec<u8>,
+    token: Option<Token>,
+    /// messages without the token are refused
+    closed: bool,
     /// the packet asks for the state
     asked: bool,
 }
 
 impl Osc {
-    pub(super) fn open(port: u16) -> Result<Osc, Failure> {
+    /// Listens at a port; `closed` to messages without the token.
+    pub(super) fn open(port: u16, token: Option<Token>, closed: bool) -> Result<Osc, Failure> {
         let open = || {
             let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, port))?;
             socket.set_nonblocking(true)?;
             Ok(socket)
         };
         let failed = |e: std::io::Error| Failure::Failed(format!("--osc {port}: {e}; 0 takes a free port"));
-        Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], asked: false })
+        Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], token, closed, asked: false })
     }
 
-    pub(super) fn port(&self) -> u16 {
+    /// Port and token, in words.
+    pub(super) fn said(&self) -> String {
+        let token = self.token.as_ref().filter(|_| self.closed);
+        let token = token.map(|t| format!("; addresses begin with the token in {}", t.path.display()));
+        format!("OSC: UDP port {} of this machine{}", self.port(), token.unwrap_or_default())
+    }
+
+    fn port(&self) -> u16 {
         self.socket.local_addr().map_or(0, |a| a.port())
     }
 
@@ -57,7 +73,7 @@ impl Osc {
                 Err(e) => Err(format!("not OSC: {e}")),
             };
             let mut wrong = Vec::new();
-            match packet {
+            match packet.and_then(|mut packet| self.admit(&mut packet).map(|()| packet)) {
                 Ok(packet) => {
                     let mut sets = Vec::new();
                     self.apply(packet, inputs, recorder, &mut sets, &mut wrong);
@@ -76,6 +92,23 @@ impl Osc {
             if Instant::now() >= end {
                 return;
             }
+        }
+    }
+
+    /// Takes the token off all addresses.
+    fn admit(&self, packet: &mut OscPacket) -> Result<(), String> {
+        match packet {
+            OscPacket::Bundle(bundle) => bundle.content.iter_mut().try_for_each(|p| self.admit(p)),
+            OscPacket::Message(m) => match self.token.as_ref().and_then(|t| t.strip(&m.addr)) {
+                Some(rest) => {
+                    m.addr = rest.into();
+                    Ok(())
+                }
+                None if self.closed => Err("an address begins with the token, `/TOKEN/param`; `ca` says at its start \
+                                            where it lies"
+                    .into()),
+                None => Ok(()),
+            },
         }
     }
 

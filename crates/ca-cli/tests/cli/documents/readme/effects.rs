@@ -209,12 +209,18 @@ fn tuned(desk: &Desk, line: &Line, before: &Files) {
 fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let file =
         line.of("-o").map_or_else(|| format!("{}.wav", line.about().trim_end_matches(".ca.toml")), str::to_owned);
-    let (spec, sound) = desk.wav(&file);
-    let frames = sound.len() / usize::from(spec.channels);
+    let (rate, channels, sound) = if Path::new(&file).extension().is_some_and(|e| e == "flac") {
+        let (info, sound) = desk.flac(&file);
+        (info.sample_rate, info.channels as usize, sound)
+    } else {
+        let (spec, sound) = desk.wav(&file);
+        (spec.sample_rate, usize::from(spec.channels), sound)
+    };
+    let frames = sound.len() / channels;
     assert!(peak(&sound) > 1e-3 && peak(&sound) <= 1.0, "`{}`: a peak of {}", line.text, peak(&sound));
-    if let Some(rate) = line.of("--rate") {
-        let khz: f64 = rate.split(' ').next().unwrap().parse().unwrap();
-        assert_eq!(f64::from(spec.sample_rate), 1000.0 * khz);
+    if let Some(asked) = line.of("--rate") {
+        let khz: f64 = asked.split(' ').next().unwrap().parse().unwrap();
+        assert_eq!(f64::from(rate), 1000.0 * khz);
     }
     // without one of them it sounds otherwise
     for option in ["--set", "--gesture"] {

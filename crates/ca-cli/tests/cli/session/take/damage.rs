@@ -189,6 +189,31 @@ fn a_part_that_is_damaged_is_no_identical_replay() {
 }
 
 #[test]
+fn an_attachment_that_is_too_short_is_an_error() {
+    let desk = Desk::new();
+    let path = "../../tests/data/inputs/attachment-without-crc.mcap";
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(path), desk.path("a.mcap")).unwrap();
+    for args in
+        [&["log", "info", "a.mcap"][..], &["replay", "a.mcap"], &["log", "export", "a.mcap", "sound", "-o", "s.wav"]]
+    {
+        desk.ca(args).is(1).says(&["attachment length (38) exceeds space in record (34)"]);
+    }
+    // a take that is damaged there, in the middle of its attachments
+    duo(&desk.path("take.mcap"), 16);
+    let mut bad = fs::read(desk.path("take.mcap")).unwrap();
+    let mut at = mcap::MAGIC.len();
+    while bad[at] != mcap::records::op::ATTACHMENT {
+        at += 9 + u64::from_le_bytes(bad[at + 1..at + 9].try_into().unwrap()) as usize;
+    }
+    let length = u64::from_le_bytes(bad[at + 1..at + 9].try_into().unwrap());
+    bad[at + 1..at + 9].copy_from_slice(&(length - 4).to_le_bytes());
+    bad.drain(at + 9 + length as usize - 4..at + 9 + length as usize);
+    fs::write(desk.path("bad.mcap"), &bad).unwrap();
+    desk.ca(&["log", "info", "bad.mcap"]).is(1).says(&["attachment length"]);
+    desk.ca(&["log", "recover", "bad.mcap"]).is(3).says(&["damaged", "attachment length"]);
+}
+
+#[test]
 fn what_is_no_take_says_so() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("x.mcap");

@@ -85,7 +85,7 @@ impl Performer {
             gains: vec![Gains { alpha: 1.0 / 1.3, beta: 1.1 }],
         };
         let setups: Vec<Setup> = names.iter().enumerate().map(setup).collect();
-        let own = engine::Options { session: 0xfeed_face_dead_beef, diverged: 1e3 };
+        let own = engine::Options { session: 0xfeed_face_dead_beef, ..engine::Options::default() };
         let header = Header::new(&model, changes, options, &scene, setups.clone(), own);
         let take = TakeWriter::create(path, &header, &scene).expect("a take");
         let scene = Arc::new(scene.scene);

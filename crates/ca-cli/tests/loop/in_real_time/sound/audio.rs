@@ -22,15 +22,15 @@ const STRING: &str = "[STRING]\nlow = { n = 30, f = \"110 Hz\", t60 = \"3 s\", m
     [SOX]\nout = { from = \"low[6]\", gain = 200 }\n";
 
 /// A JACK server of a name of its own.
-struct Jack {
-    name: String,
-    server: Option<Proc>,
+pub struct Jack {
+    pub name: String,
+    pub server: Option<Proc>,
 }
 
 impl Jack {
     /// One that asks for so many frames at once; `None` where JACK is not installed.
     #[track_caller]
-    fn start(stage: &Stage, frames: u32) -> Option<Jack> {
+    pub fn start(stage: &Stage, frames: u32) -> Option<Jack> {
         let there = Command::new("jackd").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if there.is_err() {
             skipped("jackd", "no JACK server");

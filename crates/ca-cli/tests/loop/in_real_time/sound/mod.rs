@@ -1,4 +1,5 @@
 //! Sound servers, each a real one.
 
 pub mod audio;
+mod away;
 mod pulse;

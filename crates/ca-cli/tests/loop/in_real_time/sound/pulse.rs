@@ -22,15 +22,15 @@ use std::task::{Context, Poll, Waker};
 use std::time::{Duration, SystemTime};
 
 /// A PulseAudio server of its own.
-struct Server {
-    server: Option<Proc>,
-    socket: String,
+pub struct Server {
+    pub server: Option<Proc>,
+    pub socket: String,
 }
 
 impl Server {
     /// One whose sink is made with these words; `None` where PulseAudio is not installed.
     #[track_caller]
-    fn start(stage: &Stage, sink: &str) -> Option<Server> {
+    pub fn start(stage: &Stage, sink: &str) -> Option<Server> {
         let there = Command::new("pulseaudio").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if there.is_err() {
             skipped("pulseaudio", "no PulseAudio server");
@@ -61,7 +61,7 @@ impl Server {
     }
 }
 
-fn client(socket: &str) -> Option<Client> {
+pub fn client(socket: &str) -> Option<Client> {
     Client::new_unix(c"ears", UnixStream::connect(socket).ok()?, Some([0; 256])).ok()
 }
 
@@ -80,7 +80,7 @@ fn wait<T>(answer: impl Future<Output = Result<T, ClientError>>) -> T {
 }
 
 /// Hears one channel of a sink of two from now on.
-fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
+pub fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
     let heard = Arc::new(Mutex::new(Vec::new()));
     let ears = heard.clone();
     let params = RecordStreamParams {
@@ -99,7 +99,7 @@ fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
     (wait(client.create_record_stream(params, listen)), heard)
 }
 
-const SINK: &str = "sink_name=ca_test format=float32le rate=48000 channels=2";
+pub const SINK: &str = "sink_name=ca_test format=float32le rate=48000 channels=2";
 
 #[test]
 fn what_pulse_audio_hears_is_what_is_written() {

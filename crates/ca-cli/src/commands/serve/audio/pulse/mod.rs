@@ -12,8 +12,7 @@ use super::{Output, Playing};
 use crate::outcome::Failure;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
-use ca_haptic::serve::Recorder;
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, link};
+use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
 use line::{Line, News, wrong};
 use pulseaudio::protocol::{
     self, ChannelMap, Command, CorkStreamParams, CreatePlaybackStreamReply, GetSinkInfo, LatencyParams,
@@ -60,9 +59,8 @@ struct Stream {
 pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
-    recorder: &mut Recorder,
     request: RtRequest,
-) -> std::result::Result<(Playing, Follow), Failure> {
+) -> std::result::Result<(Playing, Follow, Watch), Failure> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or name it in PULSE_SERVER";
@@ -100,8 +98,7 @@ pub(super) fn open(
     let (counts, (tell, words)) = (watch.counts.clone(), channel());
     let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
     let output = Output::Pulse(pulse.map_err(refused)?);
-    recorder.hears(watch);
-    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow))
+    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
 }
 
 /// Whether a server answers.

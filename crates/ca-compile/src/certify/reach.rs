@@ -1,0 +1,167 @@
+//! Computes the largest elongation of a hardening link, and its slope there.
+//!
+//! A scene without ports holds at most its energy at load, which bounds the potential U(e) of each link. A tick adds one step: at an
+//! elongation e the speed is at most √(2(E − U)/m), so the reach is the largest e + T√(2(E − U)/m). A spring at a port with a built-in
+//! gesture is judged at the stroke of that port, as if its other end stood still. A contact at a port is not, because the other end
+//! gives way. The reach of all other links is unknown.
+
+use crate::net::worst::WorstMat;
+use crate::net::{LiaNode, MatNode, MatRole, Pruned, elongation, linearisation};
+use alloc::vec::Vec;
+use ca_core::law::Bound;
+use ca_core::numeric::{Real, real, wide};
+
+/// Steps of each search.
+const STEPS: usize = 60;
+/// An elongation that nothing comes to \[m\].
+const FAR: f64 = 1e6;
+
+/// Rounding of a potential \[J\].
+const ROUNDING: f64 = 1e-12;
+
+/// The cause of the largest elongation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// the energy at load
+    Energy,
+    /// the stroke of a port
+    Stroke,
+}
+
+/// The steepest place within reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reached {
+    /// slope against elongation there \[N/m\]
+    pub k: f64,
+    /// slope against its change \[N per m/tick\]
+    pub z: f64,
+    /// the largest elongation, or depth of a contact \[m\]
+    pub far: f64,
+    /// why it goes so far
+    pub cause: Cause,
+}
+
+/// The steepest place of each link within reach; `None` of links with one slope, and of an unknown reach.
+pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<Reached>> {
+    let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
+    let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && !l.law.is_staged());
+    let energy = if any { at_load(net, bounds) } else { None };
+    let one = |(l, b): (&LiaNode, &Bound)| {
+        if !grows(b) || l.law.is_staged() || net.is_live(l.item) {
+            return None;
+        }
+        let start = elongation::at_load(net, l)?;
+        let law = Link::new(net, l);
+        // the other end of a contact gives way to a port
+        let stroke = if b.contact { None } else { stroke(net, l) };
+        let (between, cause) = match (energy, stroke) {
+            (Some(energy), _) => {
+                let c: f64 = l.all_ends().flat_map(|e| net.under(e)).map(|m| mats[m as usize].c).sum();
+                ([-law.farthest(-1.0, energy, c), law.farthest(1.0, energy, c)], Cause::Energy)
+            }
+            (None, Some(s)) => ([start - s, start + s], Cause::Stroke),
+            (None, None) => return None,
+        };
+        let [k, z] = (l.law.steepest)(&law.coefs, &net.tables, between);
+        let far = if b.contact { law.depth(between) } else { between[1].max(-between[0]) };
+        Some(Reached { k, z, far, cause }).filter(|r| r.k.is_finite() && r.z.is_finite())
+    };
+    net.lias.iter().zip(bounds).map(one).collect()
+}
+
+/// A link at load.
+struct Link<'n> {
+    net: &'n Pruned,
+    l: &'n LiaNode,
+    coefs: Vec<f64>,
+    rounded: Vec<Real>,
+}
+
+impl<'n> Link<'n> {
+    fn new(net: &'n Pruned, l: &'n LiaNode) -> Link<'n> {
+        let coefs = l.law.loaded(&net.values(l.item, &l.values), net.tick_dt);
+        let rounded = coefs.iter().map(|c| real(*c)).collect();
+        Link { net, l, coefs, rounded }
+    }
+
+    /// Its potential at elongation `e` \[J\].
+    fn stored(&self, e: f64) -> f64 {
+        let (c, e) = (&self.rounded[..], real(e));
+        wide((self.l.law.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e))
+    }
+
+    /// The largest elongation to one `side` of 0 with this energy \[J\] and mobility T²/m \[m/N\].
+    fn farthest(&self, side: f64, energy: f64, c: f64) -> f64 {
+        let mut high = 1e-12;
+        while self.stored(side * high) < energy && high < FAR {
+            high *= 2.0;
+        }
+        let mut low = 0.0;
+        for _ in 0..STEPS {
+            let middle = 0.5 * (low + high);
+            if self.stored(side * middle) < energy { low = middle } else { high = middle }
+        }
+        // with the step of the next tick, which is a concave function of the place
+        let end = high;
+        let after = |e: f64| e + libm::sqrt(2.0 * c * (energy - self.stored(side * e)).max(0.0));
+        let (mut low, mut high) = (0.0, end);
+        for _ in 0..STEPS {
+            let third = (high - low) / 3.0;
+            if after(low + third) < after(high - third) { low += third } else { high -= third }
+        }
+        after(0.5 * (low + high)).max(end)
+    }
+
+    /// The depth of a contact between these elongations.
+    fn depth(&self, [from, to]: [f64; 2]) -> f64 {
+        let (idle, beyond) = (self.l.law.idle)(&self.rounded);
+        let (idle, beyond) = (wide(idle), wide(beyond));
+        if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
+    }
+}
+
+/// The stroke of the ports at a link \[m\], where each that moves has a built-in gesture.
+fn stroke(net: &Pruned, l: &LiaNode) -> Option<f64> {
+    let mut all = None;
+    for m in l.all_ends().flat_map(|e| net.under(e)) {
+        let MatRole::Port(_, inputs) = net.mats[m as usize].role else { continue };
+        for input in inputs.into_iter().flatten().map(|i| &net.inputs[i as usize]) {
+            let (_, points) = net.gestures.iter().find(|(name, _)| *name == input.name)?;
+            let far = points.iter().map(|p| libm::fabs(p[1] - input.rest)).fold(0.0, f64::max);
+            all = Some(all.unwrap_or(0.0) + far);
+        }
+    }
+    all
+}
+
+/// The energy of the scene at load \[J\]; `None` where more may come: from ports, weight, live parameters, links that make energy, or what
+/// holds less than nothing.
+fn at_load(net: &Pruned, bounds: &[Bound]) -> Option<f64> {
+    let alive = || net.mats.iter().zip(&net.alive).filter(|(_, alive)| **alive).map(|(m, _)| m);
+    let moved =
+        |m: &MatNode| net.is_live(m.item) || matches!(m.role, MatRole::Slow) || net.medium(m).gravity != [0.0; 3];
+    if !net.inputs.is_empty() || net.slow || net.as_milib || alive().any(moved) {
+        return None;
+    }
+    let mut energy = 0.0;
+    for m in alive().filter(|m| !m.is_fixed()) {
+        let own = linearisation::stored(net, m);
+        if own.c > 0.0 {
+            let square = |v: [f64; 3]| v.iter().map(|v| v * v).sum::<f64>();
+            energy += 0.5 * (net.tick_dt * net.tick_dt / own.c * square(m.v) + own.k * square(m.dx0));
+        }
+    }
+    for (l, b) in net.lias.iter().zip(bounds) {
+        if net.is_live(l.item) || b.k < 0.0 || b.active {
+            return None;
+        }
+        let link = Link::new(net, l);
+        let held = link.stored(elongation::at_load(net, l)?);
+        // a detent stores less than nothing at rest, and so gives more than it has
+        if held.min(link.stored(0.0)) < -ROUNDING {
+            return None;
+        }
+        energy += held.max(0.0);
+    }
+    Some(energy).filter(|e| e.is_finite())
+}

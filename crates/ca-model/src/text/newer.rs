@@ -1,0 +1,55 @@
+//! Finds the first place of a file that TOML 1.1 allows and TOML 1.0 does not.
+//!
+//! It gets a note, not an error: `ca` reads such a file, but Python's `tomllib` and most editors do not.
+
+use crate::diag::Diag;
+use crate::model::Span;
+use alloc::format;
+
+/// A place that TOML 1.0 refuses, as its offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Newer {
+    /// a table `{ … }` that begins here and goes on below
+    Lines(usize),
+    /// the comma before a `}`
+    Comma(usize),
+    /// an escape sequence of two letters
+    Escape(usize),
+}
+
+impl Newer {
+    /// The first of `\\e` and `\\x` in a string that begins and ends there.
+    pub(super) fn escape(text: &str, start: usize, end: usize) -> Option<Newer> {
+        let bytes = text.as_bytes();
+        let mut at = start + 1;
+        while at < end {
+            match (bytes.get(at), bytes.get(at + 1)) {
+                (Some(b'\\'), Some(b'e' | b'x')) => return Some(Newer::Escape(at)),
+                (Some(b'\\'), _) => at += 2,
+                _ => at += 1,
+            }
+        }
+        None
+    }
+
+    /// The note about it.
+    pub(super) fn note(self, text: &str) -> Diag {
+        let span = |at, n| Span { start: at, end: at + n };
+        let note = |title: &str, span, label: &str| Diag::note("N205", format!("TOML 1.1: {title}")).at(span, label);
+        let others = "Python's `tomllib` and other readers of TOML 1.0 refuse the file";
+        match self {
+            Newer::Lines(at) => note("a table in braces goes on over lines", span(at, 1), "begins here")
+                .help(format!("{others}: write it on one line, or each entry on a line, `key.f = …`")),
+            Newer::Comma(at) => note("a comma stands before `}`", span(at, 1), "begins no entry")
+                .help(format!("{others}: leave it out"))
+                .fix(span(at, 1), ""),
+            Newer::Escape(at) => {
+                let code = if text.as_bytes().get(at + 1) == Some(&b'e') { "u001b" } else { "u00" };
+                let help = format!("{others}: write `\\{code}` for it");
+                note("an escape sequence in a string", span(at, 2), "since TOML 1.1")
+                    .help(help)
+                    .fix(span(at, 2), format!("\\{code}"))
+            }
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! A scene played to its end, into arrays.
+
+use crate::error::{self, failure, usage};
+use crate::gesture::Gesture;
+use crate::measure::{energy, table};
+use crate::scene::Scene;
+use crate::wait::{Wanted, apart};
+use ca_compile::Options;
+use ca_core::state::Ledger;
+use ca_io::FileError;
+use ca_io::perform::Performance;
+use ca_io::sound::Level;
+use ca_lab::Failure;
+use ca_lab::load;
+use ca_lab::outcome::MUTE;
+use ca_lab::play::{self, BLOCK, Divergence, Sample};
+use numpy::{Element, IntoPyArray as _};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// What was heard of a scene.
+struct Heard<S> {
+    frames: u64,
+    audio: Vec<S>,
+    probes: Vec<f64>,
+    level: Level,
+    refused: u64,
+    /// \[s\]
+    run_time: f64,
+    divergence: Option<Divergence>,
+    /// the ledger, and how many ticks it covers
+    energy: Option<(Ledger, u64)>,
+}
+
+/// Why nothing was heard.
+enum Unheard {
+    Gesture(FileError),
+    /// so many samples are more than the memory holds
+    Room(u64),
+    Failed(Failure),
+}
+
+fn heard<S: Sample>(
+    of: &Scene,
+    seconds: Option<f64>,
+    gesture: Option<&Gesture>,
+    wanted: &Wanted,
+) -> Result<Heard<S>, Unheard> {
+    let (scene, gesture) = (&*of.compiled, gesture.map(|g| &g.gesture));
+    let performance = Performance::new(scene, gesture).map_err(Unheard::Gesture)?;
+    let length = play::Length::of(&performance, seconds);
+    let frames = length.frames;
+    let (channels, n_out) = (scene.channels, scene.n_out);
+    let (mut audio, mut probes, mut level) = (Vec::<S>::new(), Vec::new(), Level::new(channels));
+    let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
+    let fits = room(channels).is_some_and(|n| audio.try_reserve_exact(n).is_ok())
+        && room(n_out - channels).is_some_and(|n| probes.try_reserve_exact(n).is_ok());
+    if !fits {
+        return Err(Unheard::Room(frames));
+    }
+    let played = play::play(performance, length, BLOCK, &mut |_, rows, done| {
+        let (width, first) = (n_out.max(1), audio.len());
+        audio.resize(first + rows.len() / width * channels, S::default());
+        level.keep_rows(rows, width, &mut audio[first..]);
+        if n_out > channels {
+            rows.chunks_exact(width).for_each(|row| probes.extend_from_slice(&row[channels..]));
+        }
+        if wanted.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
+    });
+    let played = played.map_err(Unheard::Failed)?;
+    let divergence = played.diverged_at.and_then(|_| {
+        let (loaded, options) = of.source();
+        let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
+        let audited = load::compiled(loaded, &options).0;
+        Divergence::of(&played, audited.as_ref().unwrap_or(scene), &of.found, gesture)
+    });
+    let (frames, refused) = (played.frames, played.performance.state.refused);
+    let (run_time, energy) = (played.wall.as_secs_f64(), played.energy.map(|e| (e, played.energy_ticks)));
+    Ok(Heard { frames, audio, probes, level, refused, run_time, divergence, energy })
+}
+
+/// See `cordis_anima.Scene.render`; `S` is how samples are kept.
+pub fn render<S: Sample + Element + 'static>(
+    py: Python<'_>,
+    scene: Py<Scene>,
+    seconds: Option<f64>,
+    gesture: Option<Py<Gesture>>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'_, PyDict>> {
+    let of = scene.clone_ref(py);
+    let heard = apart(py, progress, move |wanted| heard::<S>(of.get(), seconds, gesture.as_ref().map(Py::get), wanted));
+    let heard = heard?.map_err(|e| match e {
+        Unheard::Gesture(e) => error::gesture(py, &e),
+        Unheard::Room(n) => usage(py, &format!("{n} samples do not fit into memory; render less, or stream it")),
+        Unheard::Failed(e) => failure(py, e),
+    })?;
+    let scene = &*scene.get().compiled;
+    let (frames, channels) = (heard.frames as usize, scene.channels);
+    let d = PyDict::new(py);
+    d.set_item("audio", table(py, heard.audio, frames, channels)?)?;
+    d.set_item("probes", table(py, heard.probes, frames, scene.n_out - channels)?)?;
+    d.set_item("probe_names", scene.probe_names.clone())?;
+    d.set_item("probe_of", scene.probe_of.clone())?;
+    let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
+    d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
+    d.set_item("peak", heard.level.peak.into_pyarray(py))?;
+    d.set_item("clipped", heard.level.clipped)?;
+    d.set_item("non_finite", heard.level.non_finite)?;
+    d.set_item("refused", heard.refused)?;
+    d.set_item("mute", (scene.n_out == 0).then_some(MUTE))?;
+    d.set_item("run_time", heard.run_time)?;
+    d.set_item("broke", heard.divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
+    if let Some((ledger, ticks)) = &heard.energy {
+        d.set_item("energy", energy(py, scene, ledger, *ticks)?)?;
+    }
+    Ok(d)
+}
