@@ -279,8 +279,8 @@ pub struct RenderArgs {
 /// of stability and which module is nearest to the limit. With `--schedule`, the passes of one
 /// tick in order with their cost, measured here and now, and what the compiler left out; beside it the cost that a table
 /// of instructions predicts, at what an instruction takes here in a network of links that are looked up one by one. With `--device`, what of it that
-/// device can render: each key's stiffness against the device's own and against what stays passive, the force over the
-/// travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
+/// device can render: each key's stiffness against the device's own and against what stays passive, and to what it is softened
+/// where it is beyond, the force over the travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
 /// or asks more of the device than it can give: stiffness, travel, degrees of freedom. A force that only passes the largest is
 /// none of these: it is rendered up to that, as at every hard stop.
 #[allow(clippy::struct_excessive_bools)]

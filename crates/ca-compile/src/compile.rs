@@ -4,7 +4,7 @@
 //! asked for besides a scene, its halves or its linear part, takes the same way as far as the network goes.
 
 use crate::certify::certify;
-use crate::connect::{hands, wire};
+use crate::connect::{coupling, hands, wire};
 use crate::emit::slow::Slow;
 use crate::emit::{ordering, schedule};
 use crate::lower::{params, resolve, values};
@@ -57,6 +57,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
         return Err(diags);
     }
     params::report_unused(&net, &mut diags);
+    coupling::couple(&mut net, &options.couplings);
     implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
     let mut net = prune::prune(model, net, options, &mut diags);

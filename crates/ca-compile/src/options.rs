@@ -3,6 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::kind::cloud::Clouds;
+use ca_core::scene::Coupling;
 
 /// Which passes run the links.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,6 +61,8 @@ pub struct Options {
     pub kernel: KernelClass,
     /// keep what nothing hears: somebody looks at it
     pub whole: bool,
+    /// device ports that are coupled to their links, since their device cannot render these
+    pub couplings: Vec<Coupling>,
     /// begin as by this older [`ca_core::ARITHMETIC`], for takes; as by the one of now if `None`
     pub arithmetic: Option<u32>,
 }

@@ -2,7 +2,7 @@
 //! clouds of points) and a scene played to its end without a device are in `ca-io`.
 //!
 //! ```text
-//! frame, profile, calibration, equivalence → guard → engine → record, version → serve
+//! frame, profile, calibration, equivalence → guard → engine → coupling, record, version → serve
 //!                                 rt, stats ──────────────────────────────┘
 //! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
 //! ```
@@ -12,6 +12,7 @@
 //! What is not here: the tick (`ca-core`), models (`ca-model`, `ca-compile`), and what people type and see (`ca-cli`, `ca-play`).
 mod blocks;
 pub mod calibration;
+pub mod coupling;
 pub mod engine;
 pub mod equivalence;
 pub mod frame;

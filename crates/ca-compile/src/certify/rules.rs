@@ -265,8 +265,10 @@ fn mobility(net: &Pruned, l: &LiaNode, mats: &[Sums]) -> f64 {
 pub fn devices(model: &Model, net: &Pruned, bounds: &[Bound], diags: &mut Diags) {
     let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
     let mut reported = BTreeSet::new();
+    // a coupling was made of the key itself, and is within that friction
+    let written = |l: &LiaNode| model.items[net.items[l.item as usize].model].kind != "TGR";
     for (l, b) in net.lias.iter().zip(bounds) {
-        if b.z > 0.0 && l.all_ends().any(|e| is_key(&e)) && reported.insert(l.item) {
+        if b.z > 0.0 && written(l) && l.all_ends().any(|e| is_key(&e)) && reported.insert(l.item) {
             let d = Diag::warning("W105", format!("`{}` puts viscosity straight on a device key", l.name))
                 .at(span(model, net, l.item), "noisy, and limited by the device's own friction")
                 .help("tie the key to a MAS by a RES, and damp that MAS to ground instead");

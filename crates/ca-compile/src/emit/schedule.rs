@@ -231,6 +231,7 @@ pub fn schedule(
         symbols,
         certificate,
         equivalence: net.equivalence.clone(),
+        couplings: options.couplings.clone(),
         left_out: net.left_out.clone(),
         sorted,
         title: plain(model.title()),

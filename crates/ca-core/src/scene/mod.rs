@@ -56,6 +56,22 @@ pub struct Input {
     pub gains: Gains,
 }
 
+/// A spring and a damper side by side from a device port to a mass, which has the links of the port instead: the device cannot
+/// render these (docs/numerics.md §5.2). In the numbers of the model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    /// name of the TGR
+    pub port: String,
+    /// stiffness of the spring \[N/m\]
+    pub k: f64,
+    /// viscosity of the damper \[N s/m\]
+    pub z: f64,
+    /// the mass \[kg\]
+    pub m: f64,
+    /// the stiffness that is felt of the links at their stiffest \[N/m\]
+    pub felt: f64,
+}
+
 /// A compiled model.
 pub struct Scene {
     /// sound rate \[Hz\]
@@ -92,6 +108,8 @@ pub struct Scene {
     pub certificate: Certificate,
     /// how large and heavy the model is in the hand
     pub equivalence: Equivalence,
+    /// device ports that are coupled to their links
+    pub couplings: Vec<Coupling>,
     /// what the passes of the compiler left out, in words
     pub left_out: Vec<String>,
     /// links are summed, or masses stand, in another order than by arithmetic 2, so that rows are found

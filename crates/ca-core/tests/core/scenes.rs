@@ -84,6 +84,7 @@ impl Row {
             symbols: Symbols::default(),
             certificate: Certificate::default(),
             equivalence: Equivalence::default(),
+            couplings: Vec::new(),
             left_out: Vec::new(),
             sorted: false,
             title: "by hand".into(),

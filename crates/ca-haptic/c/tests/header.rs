@@ -62,6 +62,7 @@ fn numbers() -> String {
         ("STALE", flag::STALE),
         ("WAIT_CLEAR", flag::WAIT_CLEAR),
         ("PASSIVITY_OFF", flag::PASSIVITY_OFF),
+        ("COUPLED", flag::COUPLED),
     ] {
         put(&format!("FLAG_{name}"), u64::from(n));
     }

@@ -16,7 +16,7 @@ mod swap;
 pub(crate) mod tests;
 mod touch;
 
-pub use port::{Link, Port, Setup};
+pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
 pub use swap::{Swap, carried};
 pub(crate) use touch::lead;
@@ -81,11 +81,13 @@ pub struct Options {
     pub session: u64,
     /// displacement \[m\] or motion a tick beyond which the model has diverged (H15)
     pub diverged: f64,
+    /// forces fade out where another version of the scene begins to play; in takes of before they ended in a frame
+    pub fades: bool,
 }
 
 impl Default for Options {
     fn default() -> Options {
-        Options { session: 1, diverged: 1e3 }
+        Options { session: 1, diverged: 1e3, fades: true }
     }
 }
 
@@ -234,7 +236,7 @@ impl Engine {
             EngineCommand::Swap(mut swap) => {
                 let faults = self.ports.iter().map(|p| p.chain.faults()).sum::<u64>();
                 let Engine { scene, state, ports, hands, .. } = self;
-                if !swap.swap(scene, state, ports, hands, !self.diverged) {
+                if !swap.swap(scene, state, ports, hands, (!self.diverged, self.options.fades)) {
                     self.counts.refused += 1;
                     return Some(Retired::Swap(swap));
                 }

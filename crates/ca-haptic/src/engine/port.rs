@@ -2,11 +2,11 @@
 
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
-use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, status};
+use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use crate::guard::input::{FrameVerdict, InputValidator};
 use crate::guard::{Chain, GuardFrame};
 use crate::profile::Profile;
-use ca_core::scene::InputRole;
+use ca_core::scene::{Coupling, InputRole};
 use ca_core::{Scene, State};
 
 /// A degree of freedom of a device, and the port of the scene it moves.
@@ -60,8 +60,23 @@ pub struct Port {
     gentle: f64,
     /// DOF that move something, a bit each
     used: u32,
+    /// flags of every frame: whether the scene couples a key of it
+    flags: u32,
     /// where the scene has each DOF \[m\], real
     there: [f64; DOF],
+}
+
+/// Keys of a device that are coupled in this scene, with what is felt of them in the hand \[N/m\].
+pub fn coupled<'s>(scene: &'s Scene, device: &str) -> Vec<(&'s str, f64)> {
+    let of = |c: &'s Coupling| {
+        scene.tgr.iter().find_map(|p| {
+            let input = &scene.inputs[p.input as usize];
+            let mine = input.device.as_ref().is_some_and(|d| d.0 == device);
+            let same = mine && scene.mat_name(p.mat as usize) == c.port;
+            same.then(|| (c.port.as_str(), c.felt * input.gains.stiffness()))
+        })
+    };
+    scene.couplings.iter().filter_map(of).collect()
 }
 
 impl Port {
@@ -102,6 +117,7 @@ impl Port {
             gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * frame_dt,
             pace: (1.0 / (profile.rate * frame_dt)).ceil().clamp(1.0, 1e9) as u32,
             used: links.iter().fold(0, |u, l| u | 1 << l.dof),
+            flags: if coupled(scene, &device).is_empty() { 0 } else { flag::COUPLED },
             last: vec![0.0; links.len()],
             name: device,
             profile,
@@ -162,7 +178,7 @@ impl Port {
         let hand = &mut self.hand;
         hand.force = [0.0; DOF];
         (hand.received, hand.mean) = ([0.0; DOF], [0.0; DOF]);
-        hand.flags = 0;
+        hand.flags = self.flags;
         hand.inject = 0.0;
         for (l, last) in self.links.iter().zip(&mut self.last) {
             let b = &state.border[l.border];
@@ -217,6 +233,14 @@ impl Port {
             *to = *from;
         }
         self.validator.dropped = before.validator.dropped;
+    }
+
+    /// The force that `before` sent last fades out, rather than end in a frame; a fault goes on as one.
+    pub(super) fn fade_from(&mut self, before: &Port) {
+        if matches!(before.hand.mode, Mode::Ramp | Mode::On | Mode::Damp) {
+            self.hand.sent = before.hand.sent;
+            self.chain.fade_out();
+        }
     }
 
     /// Frames the input checks dropped.

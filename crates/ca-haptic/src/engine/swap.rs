@@ -3,8 +3,8 @@
 //! Decides that all of it is made outside, since that allocates, and put in the place of the old scene between two gesture
 //! frames; that the old one runs on for [`FADE`], unheard by any hand, and its sound fades into that of the new one, so
 //! that nothing clicks; and that it stays in memory until the next swap, since the engine frees nothing. Both must have
-//! the same rates, outputs and devices, for clocks, rings and files are made for these. Ports of devices are made anew: forces
-//! begin from nothing, where the device is armed.
+//! the same rates, outputs and devices, for clocks, rings and files are made for these. Ports of devices are made anew: what
+//! a hand was sent fades out, as it does when frames stay away, and forces begin from nothing, where the device is armed.
 
 use super::port::{Port, Setup};
 use super::touch::Hands;
@@ -128,15 +128,15 @@ impl Swap {
         })
     }
 
-    /// Changes places with what an engine plays; `goes_on` where the old state is worth it. False where there is no scene to
-    /// give. Nothing allocates.
+    /// Changes places with what an engine plays; `goes_on` where the old state is worth it, `fades` where forces fade out. Gives
+    /// false without a scene to give. Nothing allocates.
     pub(super) fn swap(
         &mut self,
         scene: &mut Arc<Scene>,
         state: &mut State,
         ports: &mut Vec<Port>,
         hands: &mut Hands,
-        goes_on: bool,
+        (goes_on, fades): (bool, bool),
     ) -> bool {
         let Some(next) = &mut self.next else { return false };
         if goes_on {
@@ -173,6 +173,9 @@ impl Swap {
                 new.chain.order(Order::Arm);
             }
             new.follow(old);
+            if fades {
+                new.fade_from(old);
+            }
             new.reach_again(&next.state);
         }
         core::mem::swap(scene, &mut next.scene);

@@ -25,6 +25,8 @@ pub mod flag {
     pub const WAIT_CLEAR: u32 = 128;
     /// the injection of the passivity stage gave energy to the hand, and is off for a while
     pub const PASSIVITY_OFF: u32 = 256;
+    /// a key of the device is felt softer than it is in the model, since the device cannot render it
+    pub const COUPLED: u32 = 512;
 }
 
 /// One frame of forces, 240 bytes.

@@ -2,7 +2,7 @@
 //!
 //! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault
 //! latches until somebody arms again, never ends by data returning. Too fast a motion brakes for a moment before it is
-//! off. Without fresh frames the force is held,
+//! off. A force whose scene is gone fades out in as long as one whose frames stay away. Without fresh frames the force is held,
 //! then fades, then is a fault: frames stayed away, or those that came could not be true. A device that loses its calibration while forces are on says
 //! positions that are no metres, which is implausible.
 
@@ -20,6 +20,8 @@ pub struct Gate {
     armed: bool,
     /// frames since nothing pushed, since the ramp or the brake began
     since: u32,
+    /// of a force that fades out, the frames that are left
+    fading: Option<u32>,
     clear: f64,
     clear_frames: u32,
     ramp_frames: u32,
@@ -50,6 +52,7 @@ impl Gate {
             cause: Cause::Disarmed,
             armed: false,
             since: 0,
+            fading: None,
             clear: l.clear * profile.force,
             clear_frames: frames(l.clear_time, frame_dt),
             ramp_frames: frames(l.ramp, frame_dt),
@@ -65,8 +68,17 @@ impl Gate {
         }
     }
 
+    /// The force that was sent last fades out, and forces begin anew after it.
+    pub fn fade_out(&mut self) {
+        (self.mode, self.fading) = (Mode::Ramp, Some(self.zero));
+    }
+
     /// Arms, disarms or trips.
     pub fn order(&mut self, order: Order) {
+        // to disarm and to trip end a force at once
+        if order != Order::Arm {
+            self.fading = None;
+        }
         match order {
             Order::Arm => {
                 // a brake ends in its fault first
@@ -151,6 +163,17 @@ impl Stage for Gate {
         if hand.tripped != Cause::None {
             self.fault(hand.tripped);
         }
+        if let Some(left) = self.fading.filter(|_| self.mode == Mode::Ramp) {
+            hand.flags |= flag::WAIT_CLEAR;
+            let part = f64::from(left.saturating_sub(1)) / f64::from(left.max(1));
+            // what the slew limit holds back goes on fading
+            let on = hand.sent[..hand.n].iter().any(|f| *f != 0.0);
+            hand.force = hand.sent.map(|f| part * f);
+            (self.mode, self.fading) = if on { (Mode::Ramp, Some(left.saturating_sub(1))) } else { (Mode::Off, None) };
+            (self.since, hand.mode, hand.cause) = (0, self.mode, self.cause);
+            return;
+        }
+        self.fading = None;
         if self.mode != Mode::Off && hand.age >= self.zero {
             // frames that keep coming and cannot be true have not stayed away
             self.fault(if hand.silent <= self.hold { Cause::Implausible } else { Cause::WatchdogIn });

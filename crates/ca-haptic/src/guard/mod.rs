@@ -229,6 +229,11 @@ impl Chain {
         self.past[(hand.frame + 1) as usize % PAST] = hand.force;
     }
 
+    /// The force that was sent last fades out: another scene made it.
+    pub fn fade_out(&mut self) {
+        self.gate.fade_out();
+    }
+
     /// Faults that latched so far.
     pub fn faults(&self) -> u64 {
         self.gate.faults()

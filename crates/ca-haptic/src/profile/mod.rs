@@ -128,6 +128,8 @@ pub struct Limits {
     pub passivity_band: f64,
     /// largest energy it accounts as made by the rate boundary \[J\] (H12)
     pub passivity_leak: f64,
+    /// keys that are stiffer than the device holds are softened ([`crate::coupling`])
+    pub coupling: bool,
     /// the oscillation detector (H13)
     pub oscillation: bool,
     /// part of the largest force, in the band, that counts as an oscillation (H13)
@@ -164,6 +166,7 @@ impl Default for Limits {
             passivity_force: 0.1,
             passivity_band: 60.0,
             passivity_leak: 2e-4,
+            coupling: true,
             oscillation: true,
             oscillation_level: 0.3,
             oscillation_band: [30.0, f64::INFINITY],

@@ -387,7 +387,12 @@ impl Recorder {
             clipped: engine.counts.clipped,
             refused: engine.counts.refused,
             unstable: engine.has_diverged(),
-            devices: self.seen.iter().zip(&engine.ports).map(|(s, p)| s.summary(p, engine.state.tick, ratio)).collect(),
+            devices: self
+                .seen
+                .iter()
+                .zip(&engine.ports)
+                .map(|(s, p)| s.summary(p, &engine.scene, engine.state.tick, ratio))
+                .collect(),
             faults: std::mem::take(&mut self.faults),
             broken: self.broken.iter().map(ToString::to_string).collect(),
             granted,

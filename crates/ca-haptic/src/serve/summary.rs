@@ -60,6 +60,8 @@ pub struct DeviceSummary {
     pub frames: u64,
     /// of these, dropped by the input checks
     pub dropped: u64,
+    /// keys that were softened to what the device holds, as the model was at the end: name, and what was felt \[N/m\]
+    pub softened: Vec<(String, f64)>,
     /// loop latency \[µs\]
     pub loop_us: Percentiles,
     /// whether forces began at any time

@@ -9,6 +9,7 @@
 //! rounds a scene otherwise, the hash says nothing, and a replay compares to a tolerance. A take without it is older than
 //! the number, which is arithmetic 0.
 
+use super::couplings;
 use super::next::NextModel;
 use crate::calibration::Calibration;
 use crate::engine::{self, Engine, Port, Setup};
@@ -166,7 +167,8 @@ impl Header {
     #[must_use]
     pub fn version(&self, next: &NextModel) -> Header {
         let ModelText { file, text, changes, resolved, parts } = next.model.clone();
-        let options = Options { clouds: next.clouds.clone(), ..self.options.clone() };
+        let (clouds, couplings) = (next.clouds.clone(), next.couplings.clone());
+        let options = Options { clouds, couplings, ..self.options.clone() };
         Header { file, text, changes, resolved, parts, options, start: next.start, ..self.clone() }
     }
 
@@ -223,8 +225,10 @@ impl Header {
             ("asked.probes", json(&self.options.probes)),
             ("asked.kernel", kernel.into()),
             ("asked.whole", self.options.whole.to_string()),
+            ("asked.couplings", couplings::write(&self.options.couplings)),
             ("engine.session", self.engine.session.to_string()),
             ("engine.wild", exact(self.engine.diverged)),
+            ("engine.fades", self.engine.fades.to_string()),
             ("sound.rate", exact(self.rate)),
             ("sound.channels", json(&self.channels)),
             ("gesture.ratio", self.ratio.to_string()),
@@ -302,10 +306,18 @@ impl Header {
                 kernel,
                 // none in takes of before it could be asked for
                 whole: meta.get("asked.whole").is_some_and(|w| w == "true"),
+                couplings: meta
+                    .get("asked.couplings")
+                    .map_or(Some(Vec::new()), |c| couplings::read(c))
+                    .ok_or_else(|| bad("asked.couplings"))?,
                 ..Options::default()
             },
             setups,
-            engine: engine::Options { session: whole("engine.session")?, diverged: number("engine.wild")? },
+            engine: engine::Options {
+                session: whole("engine.session")?,
+                diverged: number("engine.wild")?,
+                fades: meta.get("engine.fades").is_some_and(|f| f == "true"),
+            },
             rate: number("sound.rate")?,
             ratio: u32::try_from(whole("gesture.ratio")?).map_err(|_| bad("gesture.ratio"))?,
             channels: list("sound.channels")?,
@@ -342,6 +354,7 @@ mod tests {
     use crate::calibration::Axis;
     use crate::profile::SHIPPED;
     use ca_core::kind::cloud::Cloud;
+    use ca_core::scene::Coupling;
     use ca_model::read;
 
     #[test]
@@ -356,6 +369,7 @@ mod tests {
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
         let mut options =
             Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], whole: true, ..Options::default() };
+        options.couplings.push(Coupling { port: "key".into(), k: 0.1, z: 1.0 / 3.0, m: 1e-5, felt: 1e17 / 3.0 });
         options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
         let scene = ca_compile::compile(&model, &ca_model::catalog(), &options).expect("it compiles");
         for (name, _) in SHIPPED {
@@ -366,7 +380,7 @@ mod tests {
                 calibration: Calibration { device: "a b".into(), by: "me".into(), axis: vec![axis; 3] },
                 gains: vec![Gains { alpha: 1.0 / 3.0, beta: 1e17 }, Gains::default()],
             };
-            let engine = engine::Options { session: u64::MAX, diverged: 0.1 };
+            let engine = engine::Options { session: u64::MAX, diverged: 0.1, fades: true };
             let changes = vec![("r.k".to_owned(), "7".to_owned())];
             let h = Header::new(&model, changes, options.clone(), &scene, vec![setup], engine);
             let (files, meta) = h.write();
@@ -375,6 +389,7 @@ mod tests {
             assert_eq!((back.arithmetic, &back.setups), (ARITHMETIC, &h.setups));
             assert_eq!((back.engine, back.rate, back.start, back.began_ns), (h.engine, h.rate, h.start, h.began_ns));
             assert!(back.options.whole);
+            assert_eq!(back.options.couplings, options.couplings);
             assert_eq!(back.options.clouds["a/b c.ply"], Ok(Arc::new(cloud.clone())));
             assert_eq!((back.file.as_str(), back.text.as_str()), ("key.ca.toml", text));
             assert!(back.resolved.contains("k = 7"));
@@ -389,6 +404,8 @@ mod tests {
                 let old = read.as_ref().is_ok_and(|h| match key.as_str() {
                     "arithmetic" => h.arithmetic == 0,
                     "asked.whole" => !h.options.whole,
+                    "asked.couplings" => h.options.couplings.is_empty(),
+                    "engine.fades" => !h.engine.fades,
                     _ => false,
                 });
                 assert!(read.is_err() || old, "without `{key}`");

@@ -14,6 +14,7 @@
 //! | `/gesture/joints`, `/audio`, `/masses`, `/scene`, `/log` | for viewers | protobuf of Foxglove |
 
 pub mod cdr;
+mod couplings;
 pub mod export;
 mod flat;
 mod framed;

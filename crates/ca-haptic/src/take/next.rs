@@ -3,17 +3,18 @@
 //! Decides that a message holds all of it again, bodies from files included: whoever reads a take from there on needs nothing
 //! else, and an author who saves a model saves little.
 
-use super::cdr;
+use super::{cdr, couplings};
 use crate::version::{ModelText, Version};
 use ca_core::kind::cloud::Clouds;
+use ca_core::scene::Coupling;
 use ca_io::cloud;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The definition of the message: `ca/msg/Model`. `start` is the hash of its state at load, `changes` a list of names and values,
 /// `clouds` bodies as OBJ by name, `moved` the names of parameters that somebody had moved before, whose `values` they keep
-/// \[SI\], `parts` the texts of files that it takes parts from, by name; the four are JSON; where `anew`, all masses begin as
-/// at load.
+/// \[SI\], `parts` the texts of files that it takes parts from, by name, `couplings` the couplings of device ports; the five are JSON;
+/// where `anew`, all masses begin as at load.
 pub const MODEL: &str = "\
 uint64 tick
 uint64 start
@@ -26,6 +27,7 @@ string resolved
 string clouds
 bool anew
 string parts
+string couplings
 ";
 
 /// A version of the model, as a take holds it.
@@ -41,6 +43,8 @@ pub struct NextModel {
     pub moved: Vec<(String, f64)>,
     /// no mass goes on from where it was
     pub anew: bool,
+    /// device ports that are coupled to their links
+    pub couplings: Vec<Coupling>,
 }
 
 /// Writes `version`, which plays from `tick` on.
@@ -61,7 +65,8 @@ pub(super) fn write(out: &mut Vec<u8>, tick: u64, version: &Version) {
         .text(&m.resolved)
         .text(&json(&clouds))
         .put(u8::from(version.anew))
-        .text(&json(&m.parts));
+        .text(&json(&m.parts))
+        .text(&couplings::write(&version.options.couplings));
 }
 
 /// Reads one, with its tick; `None` where that is not what is there.
@@ -79,11 +84,12 @@ pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
         clouds.insert(name, Ok(Arc::new(cloud::read_obj(obj.as_bytes()).ok()?)));
     }
     let moved = (names.len() == values.len()).then(|| names.into_iter().zip(values).collect())?;
-    // takes of before have neither
+    // takes of before have none of these
     let anew = r.get::<u8>().is_some_and(|b| b != 0);
     let parts = r.text().and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default();
+    let couplings = r.text().map_or(Some(Vec::new()), |t| couplings::read(&t))?;
     let model = ModelText { file, text, changes, resolved, parts };
-    Some((tick, NextModel { model, clouds, start, moved, anew }))
+    Some((tick, NextModel { model, clouds, start, moved, anew, couplings }))
 }
 
 fn json<T: serde::Serialize>(v: &T) -> String {

@@ -1,5 +1,5 @@
 //! The loop through a simulated hand, against docs/numerics.md §5.2 and §5.3; the passivity stage in it is
-//! `crates/ca-haptic/tests/passivity.rs`.
+//! `crates/ca-haptic/tests/passivity`.
 //!
 //! Lock-step: the position at the end of a frame is answered before the next begins, so the delay of a spring is that
 //! of its mean and of the held force, κ = 1 (1/2 at one rate). One frame of delay at the device is a reply over shared

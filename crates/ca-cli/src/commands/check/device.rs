@@ -5,7 +5,7 @@
 //! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are reported:
 //! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
 //! the border and one frame more, since a real device takes each force a frame later (docs/numerics.md §5.2: κ = 2), of
-//! the frames of the device where those are longer. A force
+//! the frames of the device where those are longer. A stiffer key is softened while it is played ([`coupling`]). A force
 //! beyond the largest is no fault of the model, every hard stop has it: so it is said where in the travel it begins. What the
 //! model plays by itself (`[gesture]`), and where its keys rest, is what a hand would have to reach: beyond the travel of
 //! the device it cannot be played, so that is too much as well.
@@ -14,28 +14,27 @@ use crate::commands::border::quantity;
 use crate::load::ticked;
 use crate::outcome::Failure;
 use crate::term::short;
-use ca_core::border::{Delays, delays};
+use ca_core::Scene;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
-use ca_core::scene::certificate::Key;
-use ca_core::{Scene, compute_forces};
+use ca_haptic::calibration::Calibration;
+use ca_haptic::coupling::{self, Held, Presented};
+use ca_haptic::engine::Setup;
+use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
-
-/// Steps in which a key is moved over its travel.
-const STEPS: usize = 2000;
 
 /// A key against the device, in the units of the hand.
 struct LimitRow<'a> {
     name: &'a str,
     dof: u32,
     gains: Gains,
-    /// what the compiler certifies \[N/m\]
-    certified: f64,
-    /// the steepest place of the travel \[N/m\]
-    steepest: f64,
+    /// what it presents over the travel
+    presented: Presented,
+    /// where it is softened while it is played, the stiffness that is felt \[N/m\]
+    felt: Option<f64>,
     /// largest force within the travel \[N\]
     force: f64,
     /// where in the travel the force first passes the largest of the device, from the rest of the key \[m\]
@@ -50,7 +49,7 @@ struct LimitRow<'a> {
 
 impl LimitRow<'_> {
     fn k(&self) -> f64 {
-        self.certified.max(self.steepest)
+        self.presented.k()
     }
 }
 
@@ -58,10 +57,8 @@ impl LimitRow<'_> {
 pub(super) struct DeviceDemands<'a> {
     profile: &'a Profile,
     rows: Vec<LimitRow<'a>>,
-    /// the stiffest sum of springs on which it stays passive \[N/m\]
-    passive: f64,
-    /// ... were forces taken at once
-    at_once: f64,
+    /// what it holds
+    held: Held,
     /// gesture frames a second
     rate: f64,
     /// names of the devices of the model that were compared
@@ -80,18 +77,19 @@ impl<'a> DeviceDemands<'a> {
             devices.retain(|d| *d == profile.name);
         }
         let rate = scene.rate / f64::from(scene.ratio);
-        // a slower device holds each force for longer
-        let longer = (rate / profile.rate).max(1.0);
-        let own = delays(scene);
-        let d = Delays { spring: own.spring * longer, frame: own.frame * longer, ..own };
-        let b = profile.body.friction;
-        let later = Delays { spring: d.spring + d.frame, ..d };
-        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices)).collect();
+        let setup = |device: &&str| Setup {
+            device: (*device).into(),
+            profile: profile.clone(),
+            calibration: Calibration::default(),
+            gains: equivalence::gains(scene, device),
+        };
+        let softened = coupling::needed(scene, &devices.iter().map(setup).collect::<Vec<_>>());
+        let felt = |mat: &str| softened.iter().find(|s| s.coupling.port == mat).map(|s| s.felt);
+        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &felt)).collect();
         DeviceDemands {
             profile,
             rows,
-            passive: later.stiffest(b),
-            at_once: d.stiffest(b),
+            held: Held::new(scene, profile),
             rate,
             devices,
             feedback: scene.crossing.feedback,
@@ -111,7 +109,7 @@ impl<'a> DeviceDemands<'a> {
         let feedback = self.feedback;
         [
             feedback && self.profile.stiffness.is_some_and(|k| r.k() > k * (1.0 + 1e-9)),
-            feedback && r.k() > self.passive * (1.0 + 1e-9),
+            feedback && r.k() > self.held.passive * (1.0 + 1e-9),
         ]
     }
 
@@ -146,8 +144,8 @@ impl<'a> DeviceDemands<'a> {
         writeln!(
             out,
             "  passive    up to {} with that friction, each force a frame later; {} were it taken at once",
-            quantity(self.passive),
-            quantity(self.at_once)
+            quantity(self.held.passive),
+            quantity(self.held.at_once)
         )?;
         let (wants, has) = (show(six(self.rate), Unit::HERTZ), show(six(p.rate), Unit::HERTZ));
         if self.slow() {
@@ -199,7 +197,7 @@ impl<'a> DeviceDemands<'a> {
         )?;
         for r in &self.rows {
             let limit = p.stiffness.map_or("?".into(), |k| format!("{} %", short(100.0 * r.k() / k)));
-            let passive = format!("{} %", short(100.0 * r.k() / self.passive));
+            let passive = format!("{} %", short(100.0 * r.k() / self.held.passive));
             writeln!(
                 out,
                 "  {:<12} {:>4} {:>11} {limit:>11} {passive:>11} {:>11}  {}",
@@ -210,7 +208,7 @@ impl<'a> DeviceDemands<'a> {
                 self.verdict(r)
             )?;
             if self.beyond(r).contains(&true) {
-                let steeper = r.steepest > r.certified * (1.0 + 1e-6);
+                let steeper = r.presented.steepest > r.presented.certified * (1.0 + 1e-6);
                 let all: Vec<String> = r.links.iter().take(4).map(|(n, k)| format!("`{n}` {}", quantity(*k))).collect();
                 let more = if steeper { "; it stiffens within the travel" } else { "" };
                 writeln!(out, "  {:<17} {}{more}", "", all.join(", "))?;
@@ -225,11 +223,13 @@ impl<'a> DeviceDemands<'a> {
                 )?;
             }
         }
-        if self.rows.iter().any(|r| self.beyond(r).contains(&true)) {
+        if self.rows.iter().any(|r| r.felt.is_some() || self.beyond(r).contains(&true)) {
             writeln!(
                 out,
-                "\n  What is beyond a limit is softer, or buzzes, in the hand. Lower the stiffness of these links, make the \
-                 model lighter\n  in the hand (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive stiffness grows with it."
+                "\n  A softened key is felt through a virtual coupling: the model and its sound stay as they are. A key is given half \
+                 of the passive\n  stiffness, for a profile may be wrong. To feel more of it, lower the stiffness of its links, make \
+                 the model lighter in the hand\n  (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive stiffness grows \
+                 with it. What is beyond a limit and\n  not softened can shake in the hand."
             )?;
         }
         Ok(())
@@ -244,15 +244,18 @@ impl<'a> DeviceDemands<'a> {
             [true, true] => format!(
                 "× {} what it renders, × {} what stays passive",
                 times(self.profile.stiffness.unwrap_or(f64::INFINITY)),
-                times(self.passive)
+                times(self.held.passive)
             ),
             [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
-            [false, true] => format!("× {} what stays passive", times(self.passive)),
+            [false, true] => format!("× {} what stays passive", times(self.held.passive)),
+            [false, false] if r.felt.is_some() => String::new(),
             [false, false] if self.outside(r) => return "beyond its travel".into(),
             [false, false] if r.saturates.is_some() => return format!("rendered up to {}", newton(self.profile.force)),
             [false, false] => return "rendered".into(),
         };
-        if self.outside(r) { format!("{forces}, beyond its travel") } else { forces }
+        let felt = r.felt.map_or_else(String::new, |k| format!("softened to {}", quantity(k)));
+        let outside = if self.outside(r) { "beyond its travel".into() } else { String::new() };
+        [forces, felt, outside].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
     /// For programs.
@@ -265,8 +268,8 @@ impl<'a> DeviceDemands<'a> {
                 let [stiff, active] = self.beyond(r);
                 let links: Vec<Json> = r.links.iter().map(|(n, k)| json!({"name": n, "k": k})).collect();
                 json!({
-                    "name": r.name, "dof": r.dof, "there": r.there, "k": r.k(), "certified": r.certified,
-                    "steepest": r.steepest, "force": r.force, "saturates": r.saturates, "links": links,
+                    "name": r.name, "dof": r.dof, "there": r.there, "k": r.k(), "certified": r.presented.certified,
+                    "steepest": r.presented.steepest, "felt": r.felt, "force": r.force, "saturates": r.saturates, "links": links,
                     "alpha": r.gains.alpha, "beta": r.gains.beta,
                     "beyond_stiffness": stiff, "beyond_passive": active,
                     "asks": r.asks, "beyond_travel": self.outside(r),
@@ -276,7 +279,7 @@ impl<'a> DeviceDemands<'a> {
         json!({
             "profile": p.name, "dof": p.dof, "range": p.range, "force": p.force, "stiffness": p.stiffness,
             "friction": p.body.friction, "rate": p.rate, "gesture_rate": self.rate, "slow": self.slow(),
-            "passive": self.passive, "passive_at_once": self.at_once, "devices": self.devices, "keys": keys,
+            "passive": self.held.passive, "passive_at_once": self.held.at_once, "devices": self.devices, "keys": keys,
             "too_much": self.too_much(),
         })
     }
@@ -286,8 +289,14 @@ fn newton(v: f64) -> String {
     show(short(v).parse().unwrap_or(v), Unit::NEWTON)
 }
 
-/// Device port number `t` of the scene.
-fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> Option<LimitRow<'a>> {
+/// Device port number `t` of the scene; `felt` knows what is softened, by the MAT that is moved.
+fn row<'a>(
+    scene: &'a Scene,
+    t: usize,
+    profile: &Profile,
+    devices: &[&str],
+    felt: &dyn Fn(&str) -> Option<f64>,
+) -> Option<LimitRow<'a>> {
     let port = scene.tgr[t];
     let input = &scene.inputs[port.input as usize];
     let (device, dof) = input.device.as_ref()?;
@@ -295,35 +304,24 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str]) -> O
         return None;
     }
     let (gains, at) = (input.gains, port.mat as usize);
-    let key: Option<&Key> = scene.certificate.keys.iter().find(|k| k.name == scene.mat_name(at));
+    let key = coupling::key(scene, at);
     let mut links: Vec<(&str, f64)> =
         key.iter().flat_map(|k| &k.links).map(|(n, k)| (n.as_str(), k * gains.stiffness())).collect();
     links.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // the force over the travel, everything else where it is at load and without motion
-    let mut state = scene.state();
-    state.d.fill(0.0);
-    let force_at = |x: f64| {
-        let mut s = state.clone();
-        s.input[port.input as usize] = gains.alpha * x;
-        compute_forces(scene, &mut s);
-        gains.beta * s.f[at]
-    };
-    let span = profile.range[1] - profile.range[0];
-    let places: Vec<f64> = (0..=STEPS).map(|i| profile.range[0] + span * i as f64 / STEPS as f64).collect();
-    let forces: Vec<f64> = places.iter().map(|x| force_at(*x)).collect();
-    let steepest = forces.windows(2).map(|w| (w[1] - w[0]).abs() / (span / STEPS as f64)).fold(0.0, f64::max);
+    let presented = Presented::new(scene, t, profile.range);
     let rest = input.rest / gains.alpha;
     let own = scene.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
     let asks = own.map(|p| p[1] / gains.alpha).fold([rest; 2], |[a, b], x| [a.min(x), b.max(x)]);
-    let beyond = places.iter().zip(&forces).filter(|(_, f)| f.abs() > profile.force).map(|(x, _)| (x - rest).abs());
+    let travel = presented.travel.iter();
+    let beyond = travel.clone().filter(|[_, f]| f.abs() > profile.force).map(|[x, _]| (x - rest).abs());
     Some(LimitRow {
         name: &input.name,
         dof: *dof,
         gains,
-        certified: key.map_or(0.0, |k| k.k * gains.stiffness()),
-        steepest,
-        force: forces.iter().fold(0.0, |m, f| m.max(f.abs())),
+        force: travel.fold(0.0, |m, [_, f]| m.max(f.abs())),
         saturates: beyond.min_by(f64::total_cmp),
+        felt: felt(&scene.mat_name(at)),
+        presented,
         links,
         there: *dof < profile.dof,
         asks,

@@ -29,9 +29,8 @@ pub fn run(args: &CheckArgs) -> Outcome {
         return once(args, &mut Vec::new());
     }
     let model = &args.source.model;
-    let mut watch = Watch::of(model).ok_or_else(|| {
-        Failure::Usage(format!("--watch: `{model}` is not a file; bundled models and standard input do not change"))
-    })?;
+    let mut watch = Watch::of(model)
+        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is not a file that could change; name one")))?;
     loop {
         let mut files = Vec::new();
         let checked = once(args, &mut files);

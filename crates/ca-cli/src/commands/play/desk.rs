@@ -87,8 +87,10 @@ impl Desk {
             (self.scene, self.drawing, self.holder) = (scene, drawing, None);
             self.page.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation));
         }
-        let Some(made) = self.edit.turn() else { return };
-        let made = made.and_then(|Made { version, drawing, said }| {
+        let Some(made) = self.edit.turn(setups) else { return };
+        let mut bad = made.is_err();
+        let made = made.and_then(|Made { version, drawing, said, softened }| {
+            bad = softened;
             let (scene, anew) = (version.scene.clone(), version.anew);
             recorder.swap(version, setups)?;
             self.generation += 1;
@@ -97,9 +99,10 @@ impl Desk {
             Ok((if anew { "begins anew" } else { "the model was read again" }, said))
         });
         let ok = made.is_ok();
+        bad |= !ok;
         let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
         self.page.tell_all(&json!({"type": "report", "ok": ok, "text": text}));
-        recorder.say(!ok, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
+        recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
     fn answer(

@@ -6,6 +6,8 @@
 use crate::args::{ServeArgs, Source};
 use crate::watch::Watch;
 use ca_compile::Options;
+use ca_haptic::coupling;
+use ca_haptic::engine::Setup;
 use ca_haptic::version::{ModelText, Version};
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
@@ -19,8 +21,10 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 pub(super) struct Made {
     pub(super) version: Version,
     pub(super) drawing: Arc<Drawing>,
-    /// its warnings, or nothing
+    /// its warnings, and keys that are softened, or nothing
     pub(super) said: String,
+    /// keys are softened
+    pub(super) softened: bool,
 }
 
 /// The files that a model takes parts from, and what became of it.
@@ -90,8 +94,8 @@ impl Edit {
         Ok(())
     }
 
-    /// One turn: a version that is ready, or why there is none.
-    pub(super) fn turn(&mut self) -> Option<Result<Made, String>> {
+    /// One turn: a version that is ready for these devices, or why there is none.
+    pub(super) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Made, String>> {
         self.again |= self.file.as_mut().is_some_and(Watch::is_new);
         if self.file.as_mut().is_some_and(Watch::is_gone) {
             return Some(Err(format!("`{}` is not there any more, or is no file; save it again", self.source.model)));
@@ -128,12 +132,12 @@ impl Edit {
         }
         if core::mem::take(&mut self.again) {
             let (source, changes, options) = (self.source.clone(), self.changes.clone(), self.options.clone());
-            let anew = core::mem::take(&mut self.anew);
+            let (anew, setups) = (core::mem::take(&mut self.anew), setups.to_vec());
             self.tried.clone_from(&changes);
             let (tell, making) = channel();
             let start = move || {
                 let mut files = Vec::new();
-                let made = make(&source, &changes, options, anew, &mut files);
+                let made = make(&source, &changes, (options, &setups), anew, &mut files);
                 let _ = tell.send((files, made));
             };
             if let Err(e) = std::thread::Builder::new().name("ca model".into()).spawn(start) {
@@ -155,7 +159,7 @@ fn put(changes: &mut Vec<(String, String)>, change: (String, String)) {
 fn make(
     source: &Source,
     changes: &[(String, String)],
-    options: Options,
+    (options, setups): (Options, &[Setup]),
     anew: bool,
     files: &mut Vec<String>,
 ) -> Result<Made, String> {
@@ -170,13 +174,16 @@ fn make(
     for (name, value) in &changes {
         load::set_typed(&mut loaded, name, value).map_err(words)?;
     }
-    let options = Options { clouds: loaded.clouds.clone(), ..options };
+    let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
     let compiled = load::scene(&loaded, &options).map_err(words)?;
+    let met = coupling::meet(compiled, setups, &mut options, |options| load::scene(&loaded, options));
+    let (softened, compiled) = (met.said(), met.compiled);
     let drawing = Arc::new(Drawing::new(&compiled.scene));
     let mut warnings = compiled.findings;
     warnings.list.retain(|d| d.severity == Severity::Warning);
     let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
+    let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
     let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
-    Ok(Made { version, drawing, said })
+    Ok(Made { version, drawing, said, softened: !softened.is_empty() })
 }

@@ -61,6 +61,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         bounds_only: false,
         whole: false,
         arithmetic: None,
+        couplings: Vec::new(),
     };
     let mut scene = load::scene(&loaded, &options)?;
     let second = scene.audited.take();

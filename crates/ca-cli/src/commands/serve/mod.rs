@@ -20,6 +20,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 pub(super) use answer::{answer, param};
 use ca_compile::Options;
+use ca_haptic::coupling;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, RtRequest};
@@ -64,7 +65,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
 /// Plays in real time; in a page where there is one.
 pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome {
     let loaded = load::load(&args.source)?;
-    let options = Options {
+    let mut options = Options {
         rate: args.source.rate,
         energy: args.energy,
         clouds: loaded.clouds.clone(),
@@ -73,9 +74,10 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     };
     let compiled = load::scene(&loaded, &options)?;
     load::warn(&loaded, &compiled);
-    let scene = Arc::new(compiled.scene);
+    let (setups, unknown) = setup::setups(args, &compiled.scene)?;
+    let met = coupling::meet(compiled, &setups, &mut options, |options| load::scene(&loaded, options));
+    let (softened, scene) = (met.said(), Arc::new(met.compiled.scene));
     let names = devices(&scene);
-    let (setups, unknown) = setup::setups(args, &scene)?;
     if args.clock == ClockKind::Device && names.is_empty() {
         return Err(Failure::Usage("--clock device: the model has no device".into()));
     }
@@ -142,6 +144,9 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    for text in softened {
+        recorder.say(true, text);
+    }
     let (mut sound, outlet) = audio::Switch::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?;
     ends.audio = outlet;
     let events = sound.events();

@@ -1,10 +1,12 @@
 //! What is reported at the end of a performance.
 
 use crate::term::short;
+use ca_core::kind::Unit;
 use ca_haptic::serve::Summary;
 use ca_haptic::stats::Percentiles;
 use ca_haptic::take;
 use ca_io::sound::Written;
+use ca_model::quantity::{show, six};
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
 use std::path::Path;
@@ -35,6 +37,10 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         let before = if d.forces_on { "off at the end, on before" } else { "off to the end" };
         let why = d.waits.as_ref().map_or_else(String::new, |w| format!("; armed, but {w}"));
         writeln!(out, "  {:<15}{}: {before}{why}", "forces", d.device)?;
+    }
+    for (d, (key, felt)) in s.devices.iter().flat_map(|d| d.softened.iter().map(move |s| (d, s))) {
+        let felt = show(six(*felt), Unit::STIFFNESS);
+        writeln!(out, "  {:<15}`{key}` to {felt} in the hand, what {} holds", "softened", d.device)?;
     }
     if !s.devices.is_empty() {
         writeln!(out, "  {:<15}{} frames without news, {} forces not fetched", "stale", s.stale, s.lost_forces)?;

@@ -4,6 +4,8 @@ use super::answer::{Change, answer};
 use crate::outcome::Failure;
 use crate::term;
 use ca_core::Scene;
+use ca_core::kind::Unit;
+use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::frame::About;
 use ca_haptic::host::control::ControlServer;
@@ -12,6 +14,7 @@ use ca_haptic::profile::Profile;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::take::dofs;
+use ca_model::quantity::{show, six};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -129,7 +132,7 @@ impl Talk {
                 Event::About(about) => {
                     let Some(setup) = self.setups.get_mut(k as usize) else { continue };
                     match &self.unknown[k as usize] {
-                        Some(unknown) => match unknown.fit(setup, &about) {
+                        Some(unknown) => match unknown.fit(setup, &about, recorder.scene()) {
                             Ok(Some(said)) => {
                                 recorder.say(false, format!("{name}: {said}"));
                                 self.refits.push(k);
@@ -176,7 +179,7 @@ struct Unknown {
 
 impl Unknown {
     /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
-    fn fit(&self, setup: &mut Setup, about: &About) -> Result<Option<String>, String> {
+    fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, String> {
         let p = self.most.described(about)?;
         if p.dof < self.wanted {
             let (n, wanted) = (p.dof, self.wanted);
@@ -185,7 +188,16 @@ impl Unknown {
         if p == setup.profile {
             return Ok(None);
         }
-        setup.profile = p;
+        let said = Setup { profile: p, ..setup.clone() };
+        // couplings were chosen for what such a device holds as far as was known
+        if let Some((key, k)) = coupling::beyond(scene, &said) {
+            let k = show(six(k), Unit::STIFFNESS);
+            return Err(format!(
+                "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in a \
+                 profile (`--profile`)"
+            ));
+        }
+        *setup = said;
         let p = &setup.profile;
         let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
         Ok(Some(format!(

@@ -70,6 +70,22 @@ fn what_stays_passive_ends_where_the_page_says() {
 }
 
 #[test]
+fn a_key_beyond_what_stays_passive_is_softened_to_it() {
+    // 2 N s/m, 3 kHz, each force a frame later
+    let wall = |k: f64| Key { k, friction: 2.0, ..EASY };
+    let (code, soft, said) = wall(20e3).asked();
+    let felt = soft["keys"][0]["felt"].as_f64().unwrap();
+    assert!((felt - 1500.0).abs() < 1e-6 && code == 3, "{felt} N/m, {code}");
+    assert!(said.contains("× 6.67 what stays passive, softened to 1.5 kN/m"), "{said}");
+    // a profile may be wrong by the other half
+    let (code, passive, said) = wall(2.9e3).asked();
+    assert_eq!((passive["keys"][0]["felt"].as_f64(), code), (Some(felt), 0));
+    assert!(said.contains("softened to 1.5 kN/m") && !said.contains("× "), "{said}");
+    let (_, held, said) = wall(1.49e3).asked();
+    assert!(held["keys"][0]["felt"].is_null() && !said.contains("softened to"), "{said}");
+}
+
+#[test]
 fn a_force_within_the_travel_passes_that_of_the_device_from_its_limit_on() {
     // 10 mm either way
     let at = |k: f64| Key { k, force: 10.0, ..EASY };

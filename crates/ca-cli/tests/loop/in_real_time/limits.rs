@@ -63,7 +63,7 @@ fn h4_motors_stay_within_their_rating() {
 
 #[test]
 fn h11_the_edge_of_the_travel_is_soft() {
-    let (stage, p) = stage(&spring("0 m", 20.0), "", "passivity = false\n");
+    let (stage, p) = stage(&spring("0 m", 20.0), "", "passivity = false\ncoupling = false\n");
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
     let place = |n: u64| 0.0099 * (std::f64::consts::TAU * 0.2 * n as f64 / 3000.0).sin();
@@ -86,7 +86,7 @@ fn h11_the_edge_of_the_travel_is_soft() {
 
 #[test]
 fn h13_an_oscillation_is_weakened() {
-    let (stage, p) = stage(&spring("0 m", 9000.0), "", "passivity = false\n");
+    let (stage, p) = stage(&spring("0 m", 9000.0), "", "passivity = false\ncoupling = false\n");
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
     // a second at rest, half a second of 60 Hz: 0.38 m/s, and with 5 kN/m 5 N

@@ -29,6 +29,7 @@ speed = 20
 slew = 1e8
 edge = 0
 passivity = {passivity}
+coupling = false
 oscillation = false
 clear = 1
 clear_time = 0.01

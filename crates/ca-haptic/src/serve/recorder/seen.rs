@@ -1,6 +1,6 @@
 //! One device as the recorder sees it: its mode, its latency, what it waits for, and what of that is worth a word.
 
-use crate::engine::Port;
+use crate::engine::{Port, coupled};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode, flag};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -91,6 +91,9 @@ impl Seen {
             (Mode::Damp, cause) => format!("braking, {}", cause.name()),
             (Mode::Off, Cause::None) => "armed; waiting until nothing pushes".into(),
             (Mode::Off, _) => "forces off".into(),
+            (Mode::Ramp, _) if frame.flags & flag::WAIT_CLEAR != 0 => {
+                "forces fade out: another version of the model plays".into()
+            }
             (Mode::Ramp, _) => "forces fade in".into(),
             (Mode::On, _) => "forces on".into(),
         };
@@ -133,12 +136,13 @@ impl Seen {
     }
 
     /// The account, at the last `tick` of an engine with so many samples in a frame.
-    pub fn summary(&self, port: &Port, tick: u64, ratio: u64) -> DeviceSummary {
+    pub fn summary(&self, port: &Port, scene: &Scene, tick: u64, ratio: u64) -> DeviceSummary {
         DeviceSummary {
             device: self.name.clone(),
             profile: self.profile.clone(),
             frames: self.frames,
             dropped: port.dropped(),
+            softened: coupled(scene, &self.name).iter().map(|c| (c.0.into(), c.1)).collect(),
             loop_us: self.times.percentiles(),
             forces_on: self.forces_on,
             // the last order of an engine is its own: what waited then has waited to the end

@@ -105,9 +105,7 @@ impl Switch {
             choices: None,
         };
         if open {
-            if page || args.audio.is_some() {
-                switch.choices = super::choices(page);
-            }
+            switch.choices = super::choices(page);
             recorder.outputs().choices = super::servers(page);
             switch.says(recorder);
         }
