@@ -188,13 +188,13 @@ pub static ALL: &[Instrument] = &[
         probes: &["strike"],
         claims: &[
             Claim {
-                says: "the high ones are sharp (the seventh by 41 cents)",
+                says: "the high ones are sharp (the seventh by 47 cents)",
                 shows: "partial 7 from 7 times the first: {} cents",
                 measure: |p| {
                     let cut = BUILT.at(2.2, 4.2);
-                    41.0 + p.cents(7.0 * 65.406 * 2f64.powf(41.0 / 1200.0), cut) - p.cents(65.406, cut)
+                    47.0 + p.cents(7.0 * 65.406 * 2f64.powf(47.0 / 1200.0), cut) - p.cents(65.406, cut)
                 },
-                keeps: [38.0, 44.0],
+                keeps: [44.0, 51.0],
             },
             Claim {
                 says: "Each stroke is one contact",
@@ -348,7 +348,7 @@ pub static ALL: &[Instrument] = &[
     },
     Instrument {
         pitch: Some(Pitch { hertz: 110.0, cut: BUILT.at(0.4, 2.9) }),
-        soft: BUILT.set(&["pluck.d=0.1 mm"]).seconds(1.0).at(0.1, 1.0),
+        soft: BUILT.moved(&[("strength", &[[0.0, 0.6]])]).seconds(1.0).at(0.1, 1.0),
         loud: BUILT.at(0.1, 1.0),
         decay: BUILT.at(0.2, 2.9),
         claims: &[

@@ -3,14 +3,14 @@
 use super::heard::by_hand;
 use crate::play::model;
 
-/// Blows of a note of this velocity: the key goes its 8 mm in `attack` times 127 / velocity.
+/// Blows of a note of this velocity: the key goes its 8 mm with a fifth of the speed at 127, and evenly more with velocity.
 fn struck(mass: &str, with: &str, attack: f64, velocity: f64) -> usize {
     let text = format!(
         "[STRING]\nlow = {{ n = 40, f = \"A2\", t60 = \"4 s\", m = \"{mass}\" }}\n\
          [use]\nmallet = {{ part = \"mallet\", with = {{ on = \"low[8]\", note = \"A2\"{with} }} }}\n\
          [SOX]\nout = {{ from = \"low[3]\", hear = \"speed\", gain = 0.1 }}\n"
     );
-    let (down, t) = (-8e-3, 0.1 + attack * 127.0 / velocity);
+    let (down, t) = (-8e-3, 0.1 + attack / (0.2 + 0.8 * velocity / 127.0));
     let way = [(0.0, down), (0.1, down), (t, 0.0), (0.3, 0.0), (0.36, down)];
     let h = by_hand(&model(&text), &["mallet.strike"], &[("mallet.key", &way)], 0.5);
     // each contact by itself, however soon after the one before
@@ -19,10 +19,9 @@ fn struck(mass: &str, with: &str, attack: f64, velocity: f64) -> usize {
 }
 
 #[test]
-fn soft_notes_are_silent_and_a_shorter_attack_reaches_them() {
-    let default = [19.0, 20.0].map(|v| struck("4 g", "", 7e-3, v));
-    let short = [8.0, 9.0].map(|v| struck("4 g", "", 3e-3, v));
-    assert_eq!((default, short), ([0, 1], [0, 1]));
+fn the_softest_note_sounds_unless_its_key_is_slow() {
+    assert_eq!([7e-3, 9e-3, 10e-3].map(|attack| struck("4 g", "", attack, 1.0)), [1, 1, 0]);
+    assert_eq!(struck("4 g", "", 10e-3, 6.0), 1);
 }
 
 #[test]

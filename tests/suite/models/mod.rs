@@ -12,6 +12,7 @@ mod played;
 mod renders;
 mod space;
 mod strings;
+mod velocities;
 
 use bars::{iron_bar, kalimba, marimba};
 use bowed::{bowed_plate, bowed_string, glass, physical_lfo};

@@ -38,7 +38,7 @@ pub fn plucked_string() {
         assert!((measured / t - 1.0).abs() < 0.02, "partial {j}: T60 {measured:.3} s, analytic {t:.3} s");
     }
     // it lets go at k d, and then there is not a trace of force until the plectrum comes back
-    let drawn = |depth: f64| 0.3e-3 + 0.9e-3 * (depth + 8e-3) / 16e-3;
+    let drawn = |depth: f64| 0.275e-3 + 0.825e-3 * (depth + 8e-3) / 16e-3;
     for (from, to, depth) in
         [(0.1, 0.2, 3e-3), (1.4, 1.5, 3e-3), (2.5, 3.1, 3e-3), (3.9, 4.0, -8e-3), (4.3, 4.4, -3e-3), (5.1, 5.2, 8e-3)]
     {
@@ -108,7 +108,7 @@ fn touches(force: &[f64]) -> usize {
 }
 
 pub fn wave_guitar() {
-    let h = play("wave_guitar", &["pluck"]);
+    let h = play("wave_guitar", &["pick.pluck"]);
     let f = h.number("low", "f");
     // harmonic, but for the junctions: a bead m at β makes partial j slower by m sin²(jπβ) over the mass of the string
     let (at, m) = (h.numbers("low", "at"), h.number("low", "m"));

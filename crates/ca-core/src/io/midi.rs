@@ -27,7 +27,7 @@ pub enum Velocity {
     /// how far the port goes: `to` at 127
     #[default]
     Depth,
-    /// how fast it goes, all the way to `to`: in `attack` at 127, else longer by 127/velocity, as a finger on a key
+    /// how fast it goes, all the way to `to`: in `attack` at 127, with a fifth of that speed at the softest touch
     Speed,
     /// nothing: it goes all the way to `to` in `attack` at any
     None,

@@ -17,6 +17,9 @@ const ALL_SOUND_OFF: u8 = 120;
 const RESET_CONTROLLERS: u8 = 121;
 const ALL_NOTES_OFF: u8 = 123;
 
+/// Speed of a key at the softest touch, as a share of that at velocity 127: hammers still arrive, 30 dB or so below the loudest.
+const SOFTEST: f64 = 0.2;
+
 /// A straight way from wherever the port is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glide {
@@ -178,7 +181,7 @@ impl MidiPort {
         let part = f64::from(velocity) / 127.0;
         let (far, over) = match self.map.velocity {
             Velocity::Depth => (self.way(part), self.map.attack),
-            Velocity::Speed => (self.map.to, self.map.attack / part),
+            Velocity::Speed => (self.map.to, self.map.attack / (SOFTEST + (1.0 - SOFTEST) * part)),
             Velocity::None => (self.map.to, self.map.attack),
         };
         Glide { to: if self.map.back || self.far { far } else { self.map.from }, over }

@@ -299,8 +299,8 @@ fn a_velocity_may_be_how_fast_it_goes() {
     map.map.velocity = Velocity::Speed;
     let t =
         one(map, &[(1000, &[0x90, 60, 127]), (1000, &[0x80, 60, 0]), (1000, &[0x90, 60, 32]), (2000, &[0x80, 60, 0])]);
-    // all the way, in a quarter of a second at 127 and in 127/32 times that
-    let slow = 0.25 * 127.0 / 32.0;
+    // all the way, in a quarter of a second at 127; the speed falls evenly to a fifth of that
+    let slow = 0.25 / (0.2 + 0.8 * 32.0 / 127.0);
     for (time, want) in
         [(1.125, 1.5), (1.25, 2.0), (2.25, 1.5), (2.5, 1.0), (3.0 + 0.5 * slow, 1.5), (3.0 + slow, 2.0), (5.5, 1.0)]
     {

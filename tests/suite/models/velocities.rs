@@ -1,0 +1,145 @@
+//! Every bundled instrument that notes of MIDI play, from the softest to the loudest: each note is heard, none is softer than one of less
+//! velocity, and nothing new sounds where it ends.
+
+use super::heard::{file_names, load};
+use crate::acoustics::{db, peak};
+use ca_compile::{Options, compile};
+use ca_core::Scene;
+use ca_core::io::midi::MidiSource;
+use ca_io::gesture::{Gesture, GestureFormat, PortMap, Track};
+use ca_io::perform::Performance;
+use ca_tests::catalog;
+use ca_tests::long_form::long_form;
+use std::collections::BTreeSet;
+
+const VELOCITIES: [u8; 5] = [1, 20, 64, 100, 127];
+
+/// A hand that damps: what it touches sounds less, which is tested apart.
+const DAMPERS: [(&str, u8); 2] = [("gong", 50), ("tam_tam", 50)];
+
+/// When a note begins, once what lies loose has come to rest, when it ends, and how long is listened [s].
+const BEGINS: f64 = 1.0;
+const ENDS: f64 = 1.8;
+const LISTENS: f64 = 2.2;
+
+/// A track of these events (second, status, key, velocity), in ticks of a millisecond.
+fn midi(events: &[(f64, [u8; 3])]) -> Vec<u8> {
+    let mut track = vec![0, 0xff, 0x51, 3, 0x0f, 0x42, 0x40];
+    let mut last = 0;
+    for (second, event) in events {
+        let tick = (1000.0 * second) as u32;
+        let delta = tick - last;
+        track.extend([(delta >> 7) as u8 | 0x80, (delta & 0x7f) as u8]);
+        track.extend(event);
+        last = tick;
+    }
+    track.extend([0, 0xff, 0x2f, 0]);
+    let mut file = b"MThd\0\0\0\x06\0\0\0\x01\x03\xe8MTrk".to_vec();
+    file.extend((track.len() as u32).to_be_bytes());
+    file.extend(track);
+    file
+}
+
+/// All outputs while these events play it and nothing else moves.
+fn play(scene: &Scene, events: &[(f64, [u8; 3])]) -> Vec<Vec<f64>> {
+    let ports: Vec<PortMap> =
+        scene.inputs.iter().filter_map(|i| Some(PortMap { port: i.name.clone(), map: i.midi? })).collect();
+    let played = Gesture::read(GestureFormat::Midi, &midi(events), &ports, None).expect("it is MIDI");
+    let still = scene.gestures.iter().filter(|g| played.track(&g.0).is_none());
+    let still = still.map(|g| Track::points(&g.0, vec![(0.0, g.1[0][1])]).unwrap());
+    let all = Gesture::new(played.tracks().iter().cloned().chain(still).collect()).unwrap();
+    let mut p = Performance::new(scene, Some(&all)).unwrap();
+    let mut out = vec![Vec::new(); scene.channels];
+    for _ in 0..(LISTENS * scene.rate) as usize {
+        p.tick();
+        out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
+    }
+    assert!(!p.diverged, "{}: diverged", scene.title);
+    out
+}
+
+/// Level of the loudest channel from `t0` to `t1` [s, dBFS].
+fn level(sound: &[Vec<f64>], rate: f64, t0: f64, t1: f64) -> f64 {
+    sound.iter().map(|c| db(peak(&c[(t0 * rate) as usize..(t1 * rate) as usize]))).fold(-300.0, f64::max)
+}
+
+/// What is wrong with a note of this key.
+fn faults(name: &str, scene: &Scene, key: u8) -> Vec<String> {
+    let mut wrong = Vec::new();
+    let mut softer = f64::MIN;
+    for velocity in VELOCITIES {
+        let sound = play(scene, &[(BEGINS, [0x90, key, velocity]), (ENDS, [0x80, key, 0])]);
+        let of = |t0, t1| level(&sound, scene.rate, t0, t1);
+        let (note, before, after) = (of(BEGINS, ENDS), of(ENDS - 0.1, ENDS), of(ENDS, LISTENS));
+        if note < -60.0 {
+            wrong.push(format!("{name}: key {key} at {velocity} is silent, {note:.1} dBFS"));
+        }
+        if note < softer - 0.5 {
+            wrong.push(format!("{name}: key {key} at {velocity} has {note:.1} dBFS, a softer one {softer:.1}"));
+        }
+        // dampers and mallets are heard where they land and leave, below the note itself
+        if after > (before + 1.0).max(note - 3.0).max(-60.0) {
+            wrong.push(format!("{name}: key {key} at {velocity} sounds as it ends: {before:.1}, then {after:.1} dBFS, the note {note:.1}"));
+        }
+        softer = note;
+    }
+    wrong
+}
+
+fn scene(name: &str) -> Scene {
+    compile(&load(name), &catalog(), &Options::default()).expect("it compiles").scene
+}
+
+/// The keys that some port listens to, the lowest of each.
+fn keys(scene: &Scene) -> BTreeSet<u8> {
+    let low = |m: ca_core::io::midi::MidiMap| match m.source {
+        MidiSource::Note { low, .. } => Some(low),
+        _ => None,
+    };
+    scene.inputs.iter().filter_map(|i| low(i.midi?)).collect()
+}
+
+#[test]
+fn every_note_is_heard_and_louder_with_velocity_and_ends_quietly() {
+    let whole = long_form("notes of every key, not of the lowest and the highest alone");
+    let names = file_names();
+    let next = std::sync::atomic::AtomicUsize::new(0);
+    let wrong = std::sync::Mutex::new(Vec::new());
+    let played = std::sync::Mutex::new(0);
+    std::thread::scope(|s| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            s.spawn(|| {
+                while let Some(name) = names.get(next.fetch_add(1, std::sync::atomic::Ordering::Relaxed)) {
+                    let scene = scene(name);
+                    let keys = keys(&scene);
+                    let ends = [keys.first().copied(), keys.last().copied()];
+                    for key in keys.iter().filter(|k| whole || ends.contains(&Some(**k))) {
+                        if !DAMPERS.contains(&(name.as_str(), *key)) {
+                            let found = faults(name, &scene, *key);
+                            wrong.lock().unwrap().extend(found);
+                            *played.lock().unwrap() += 1;
+                        }
+                    }
+                }
+            });
+        }
+    });
+    let (wrong, played) = (wrong.into_inner().unwrap(), played.into_inner().unwrap());
+    assert!(played >= 25, "only {played} keys are there to play");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The palm of a gong stops it however softly its key is pressed.
+#[test]
+fn a_palm_damps_at_any_velocity() {
+    for (name, palm) in DAMPERS {
+        let scene = scene(name);
+        let strike = (0.1, [0x90, 48, 100]);
+        let off = (0.3, [0x80, 48, 0]);
+        let rings = level(&play(&scene, &[strike, off]), scene.rate, 2.0, LISTENS);
+        for velocity in [1, 127] {
+            let damped = level(&play(&scene, &[strike, off, (0.8, [0x90, palm, velocity])]), scene.rate, 2.0, LISTENS);
+            assert!(damped < rings - 6.0, "{name}, velocity {velocity}: {damped:.1} dBFS, without the palm {rings:.1}");
+        }
+    }
+}
