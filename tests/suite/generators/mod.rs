@@ -2,5 +2,6 @@
 
 mod generate_space;
 mod ring;
+mod stiff;
 mod tuning;
 mod waveguide;

@@ -16,6 +16,7 @@ fn with_shipped(name: &str) -> String {
         "note" => "C4",
         "key" => "hand",
         "f" | "f2" => "220 Hz",
+        "tie" => "10 kN/m",
         other => panic!("{name}: nothing is known of `{other}`"),
     };
     let has = |p: &Entry| matches!(&p.value, Value::Table(t) if t.iter().any(|e| e.key == "value" || e.key == "port"));

@@ -117,13 +117,16 @@ impl Heard {
     pub fn string(&self, name: &str, j: usize) -> (f64, f64) {
         let n1 = self.number(name, "n") as usize + 1;
         let zo = damping(self.number(name, "t60"), self.rate);
-        let shape = |j: usize| {
-            let s = sin2(j, n1);
-            let item = self.model.items.iter().find(|i| i.name == name).unwrap();
-            let b = item.args.iter().find(|e| e.key == "b").map_or(0.0, |_| self.number(name, "b"));
-            4.0 * s * (1.0 + 4.0 * s * b * (n1 * n1) as f64 / std::f64::consts::PI.powi(2))
-        };
-        let a = stiffness(self.number(name, "f"), zo, self.rate) * shape(j) / shape(1);
+        let f = self.number(name, "f");
+        let item = self.model.items.iter().find(|i| i.name == name).unwrap();
+        // a plain string is sin², a stiff one k sin² + 4B sin⁴ through its first two partials
+        let one = stiffness(f, zo, self.rate) / sin2(1, n1);
+        let bend = item.args.iter().find(|e| e.key == "b").map_or(0.0, |_| {
+            let b = self.number(name, "b");
+            let second = 2.0 * f * ((1.0 + 4.0 * b) / (1.0 + b)).sqrt();
+            (stiffness(second, zo, self.rate) / sin2(2, n1) - one) / (sin2(2, n1) - sin2(1, n1))
+        });
+        let a = (one + bend * (sin2(j, n1) - sin2(1, n1))) * sin2(j, n1);
         // dampers are along the links, without bending
         let z = self.number(name, "z") / (self.number(name, "m") * self.rate) * 4.0 * sin2(j, n1);
         mode(a, zo + z, self.rate)

@@ -4,7 +4,8 @@
 //! inner node is two springs of 2B to its neighbours and one of −B across it. The second-neighbour springs of positive
 //! stiffness found elsewhere in the field flatten the partials instead of sharpening them. The sum is never negative,
 //! which the certificate proves by covering each −B with the springs beside it. Hinged modes:
-//! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))), heard as f_j ≈ j f √(1 + b j²). Source: Bilbao 2009.
+//! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))). Given `f` and `b`, partials 1 and 2 stand exactly at
+//! f_j = j f √((1 + b j²)/(1 + b)); B makes up for the dispersion of the row too (docs/numerics.md §1.2). Source: Bilbao 2009.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::vec::Vec;
@@ -28,9 +29,10 @@ ca_core::choice! {
 pub static KIND: Kind = Kind {
     code: "STIFFSTRING",
     title: "stiff string",
-    equation: "STRING plus bending: f_j ≈ j f sqrt(1 + b j²)",
+    equation: "STRING plus bending: f_j ≈ j f sqrt((1 + b j²)/(1 + b))",
     doc: "A string with bending stiffness: its partials are stretched, as in a piano (`b` about 1e-4) or a bar (`k = 0` \
-          with `kb`). Given `f`, the ends must be hinged, where the first partial is exactly `f`.",
+          with `kb`). Given `f`, the ends must be hinged, where the first two partials are exact and higher ones a little \
+          flat: with `n = 40` and `b = 4e-4` by 0.7 cents at partial 6, 6 at 10 (docs/numerics.md §1.2).",
     source: &["Bilbao 2009", "SMC 2019"],
     params: &[
         Param::new("n", Type::Count { min: 3, max: MANY }, Need::Required, "number of masses"),
@@ -44,7 +46,7 @@ pub static KIND: Kind = Kind {
             Unit::NONE,
             POSITIVE,
             Need::Optional,
-            "inharmonicity, with `f`: partial j is stretched by sqrt(1 + b j²)",
+            "inharmonicity, with `f`: partial j stands at j f sqrt((1 + b j²)/(1 + b))",
         ),
         Z,
         ZO,
@@ -86,29 +88,47 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                     help: "use `ends = \"hinged\"`, or give `k` and `kb`".into(),
                 });
             }
-            let lambda = target(a, f, zo, m)?;
-            let solve = |n: usize| {
-                let n1 = n as f64 + 1.0;
-                let s = libm::sin(core::f64::consts::FRAC_PI_2 / n1);
-                let beta = a.or0("b") * n1 * n1 / (core::f64::consts::PI * core::f64::consts::PI);
-                let k = lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s));
-                (k, beta * k)
-            };
+            let first = target(a, f, zo, m)?;
+            let b = a.or0("b");
+            // above half the rate partial 2 is not heard, and cannot tell how far bending stretches it
+            let second = target(a, 2.0 * f * libm::sqrt((1.0 + 4.0 * b) / (1.0 + b)), zo, m).ok();
+            let solve = |n: usize| bending(n, first, second, b);
             let fits = |n: usize| {
-                let (k, b) = solve(n);
-                4.0 * k + 16.0 * b <= 4.0 * a.scheme.room()
+                let (k, bend) = solve(n);
+                k + 4.0 * bend <= a.scheme.room()
             };
             if !fits(n) {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
             }
-            let (k, b) = solve(n);
+            let (k, bend) = solve(n);
             let unit = m / (a.tick_dt * a.tick_dt);
-            (k * unit, b * unit)
+            (k * unit, bend * unit)
         }
     };
     slots.extend([Some(m), a.num("z"), Some(zo), Some(-bend)]);
     slots.extend((0..=4).map(|shares| Some(k + f64::from(shares) * bend)));
     Ok(())
+}
+
+/// Springs k and bending B of `n` masses whose first two partials have these λ: 4k s_j² + 16B s_j⁴ = λ_j for j = 1 and 2.
+///
+/// Neither is negative: a row that is all bending, or a plain string, keeps the first partial alone.
+fn bending(n: usize, first: f64, second: Option<f64>, b: f64) -> (f64, f64) {
+    let n1 = n as f64 + 1.0;
+    let square = |j: f64| {
+        let s = libm::sin(j * core::f64::consts::FRAC_PI_2 / n1);
+        s * s
+    };
+    let (s1, s2) = (square(1.0), square(2.0));
+    let r1 = first / (4.0 * s1);
+    let bend = if let Some(second) = second {
+        (second / (4.0 * s2) - r1) / (4.0 * (s2 - s1))
+    } else {
+        let beta = b * n1 * n1 / (core::f64::consts::PI * core::f64::consts::PI);
+        beta * r1 / (1.0 + 4.0 * beta * s1)
+    };
+    let bend = bend.clamp(0.0, r1 / (4.0 * s1));
+    (r1 - 4.0 * bend * s1, bend)
 }
 
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {

@@ -63,11 +63,13 @@ fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
     let t60 = numbers.maybe(i, "t60");
     let zo = t60.map_or(numbers.num(i, "zo"), |t| numbers.heard_at(0.0, t).1 * m / tick_dt);
     let p = 1.0 - zo * tick_dt / m;
-    let eigenvalue = numbers.maybe(i, "f").map(|f| {
-        let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * tick_dt));
-        (1.0 - r) * (1.0 - r) + 4.0 * r * half * half
-    });
-    (m, p, eigenvalue)
+    (m, p, numbers.maybe(i, "f").map(|f| eigenvalue_at(f, p, tick_dt)))
+}
+
+/// (1 − r)² + 4r sin²(θ/2) of a mode heard at `f`, r² = p.
+fn eigenvalue_at(f: f64, p: f64, tick_dt: f64) -> f64 {
+    let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * tick_dt));
+    (1.0 - r) * (1.0 - r) + 4.0 * r * half * half
 }
 
 /// Masses in a row, STRING, CHAIN or STIFFSTRING; unless free, between two fixed ends.
@@ -82,10 +84,14 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     if let Some(lambda) = eigenvalue {
         let n1 = n as f64 + 1.0;
         let s = libm::sin(FRAC_PI_2 / if free && !stiff { n as f64 } else { n1 });
-        let beta = numbers.num(i, "b") * n1 * n1 / (PI * PI);
         (k, bend) = if stiff {
-            let (a, unit) = (lambda / (4.0 * s * s * (1.0 + 4.0 * beta * s * s)), m / (tick_dt * tick_dt));
-            (a * unit, beta * a * unit)
+            // partials 1 and 2 are two equations, linear in k and B
+            let (b, f) = (numbers.num(i, "b"), numbers.num(i, "f"));
+            let second = eigenvalue_at(2.0 * f * ((1.0 + 4.0 * b) / (1.0 + b)).sqrt(), p, tick_dt);
+            let (s1, s2) = (s * s, libm::sin(PI / n1) * libm::sin(PI / n1));
+            let (one, two, unit) = (lambda / (4.0 * s1), second / (4.0 * s2), m / (tick_dt * tick_dt));
+            let bend = ((two - one) / (4.0 * (s2 - s1))).clamp(0.0, one / (4.0 * s1));
+            ((one - 4.0 * bend * s1) * unit, bend * unit)
         } else {
             (lambda / (4.0 * s * s) * m / (tick_dt * tick_dt), 0.0)
         };
