@@ -150,7 +150,7 @@ export class Parameters {
       if (Number.isFinite(spec.load)) slider.first = spec.load;
       else if (old && old.spec.unit === spec.unit) slider.first = old.first;
       slider.write(true);
-      slider.learn = element("button", { class: "learn", type: "button", title: "Bind the next MIDI controller that moves", text: "CC" });
+      slider.learn = element("button", { class: "learn", type: "button", title: "Then move a knob of a MIDI device: it turns this parameter from then on", text: "MIDI knob" });
       slider.learn.addEventListener("click", async () => {
         const reply = await this.connection.ask({ type: "learn", name: this.learning === spec.name ? null : spec.name });
         slider.say(reply.ok === false ? reply.text || "refused" : "");
@@ -173,7 +173,7 @@ export class Parameters {
     this.learning = learning;
     const by = new Map(bound.map(b => [b.name, b]));
     for (const [name, s] of this.sliders) {
-      const b = by.get(name), text = learning === name ? "move one…" : b ? `CC ${b.number}` : "CC";
+      const b = by.get(name), text = learning === name ? "turn a knob…" : b ? `knob ${b.number}` : "MIDI knob";
       s.learn.classList.toggle("bound", !!b || learning === name);
       if (s.learn.textContent !== text) s.learn.textContent = text;
     }
@@ -212,7 +212,7 @@ export function ports(box, list, connection) {
     const spec = {
       name: p.name, value: force ? 0 : rest, unit: p.unit || (force ? "N" : "m"),
       min: Number.isFinite(p.min) ? p.min : force ? -5 : rest - 0.02, max: Number.isFinite(p.max) ? p.max : force ? 5 : rest + 0.02,
-      doc: force ? "Force; none when it is let go" : p.role === "device" ? "Device key; moves while no device does" : "Position", ended: null,
+      doc: force ? "Force; none when it is let go" : p.role === "device" ? "Key of a device. It moves from here as long as no device is connected" : "Position", ended: null,
     };
     const slider = new Slider(spec, value => connection.ask({ type: "port", name: p.name, value }));
     if (force) {

@@ -1,6 +1,6 @@
 // A keyboard for models whose ports listen to notes: keys on the screen, keys of the computer, and MIDI of this browser. All
 // of them are sent as MIDI, so that a note does here what it does from a cable. How far down a key is pressed is its
-// velocity. Keys of the computer play only while that is switched on, since letters are shortcuts otherwise.
+// velocity. A key that no port listens to is drawn as a gap of the keyboard. Keys of the computer play only while that is switched on, since letters are shortcuts otherwise.
 
 import { element } from "./controls.js";
 
@@ -34,9 +34,11 @@ export class Keyboard {
     this.browser.addEventListener("click", () => this.connect());
   }
 
-  // the notes that ports of the scene listen to: [low, high] or null
-  build(range) {
+  // the notes that ports of the scene listen to, lowest first, or null
+  build(notes) {
     this.allOff();
+    const range = notes && notes.length ? [notes[0], notes[notes.length - 1]] : null;
+    this.playable = new Set(notes || []);
     this.range = range;
     this.box.hidden = !range;
     if (!range) return;
@@ -56,14 +58,17 @@ export class Keyboard {
     this.octaves.hidden = this.range[1] - this.range[0] < MOST;
     this.keys.replaceChildren();
     for (let note = this.from; note <= last; note++) {
-      const black = BLACK.has(note % 12);
-      this.keys.append(element("button", { type: "button", class: black ? "black" : "white", "data-note": note, "aria-label": name(note), text: note % 12 === 0 || note === this.from ? name(note) : "" }));
+      const black = BLACK.has(note % 12), plays = this.playable.has(note);
+      this.keys.append(element("button", {
+        type: "button", class: black ? "black" : "white", "data-note": note, "aria-label": name(note), disabled: !plays && "", "aria-hidden": !plays && "true",
+        text: plays && (note % 12 === 0 || note === this.from) ? name(note) : "",
+      }));
     }
   }
 
   keyAt(event) {
     const key = document.elementFromPoint(event.clientX, event.clientY);
-    return key && key.parentNode === this.keys ? key : null;
+    return key && key.parentNode === this.keys && !key.disabled ? key : null;
   }
 
   press(event) {
@@ -97,7 +102,7 @@ export class Keyboard {
 
   on(who, note, velocity) {
     this.end(who);
-    if (note > 127) return;
+    if (!this.playable.has(note)) return;
     this.down.set(who, note);
     this.mark(note, true);
     this.send([0x90, note, velocity]);

@@ -110,7 +110,6 @@ function load(message) {
   presets.scene(message.model || message.title || "", (message.params || []).length > 0);
   follow = ports(find("ports"), message.ports || [], connection);
   find("portsBox").hidden = (message.ports || []).length === 0;
-  find("gesture").hidden = !message.gesture;
   meters.setScene(message.rate, message.channels || []);
   view.channels(message.channels || []);
   find("energyBox").hidden = (message.energy || []).length === 0;
@@ -123,26 +122,37 @@ function load(message) {
   root.generation = scene.generation;
 }
 
+// the button: the whole instrument from its beginning, with sound; while its own gesture plays, its end
+let begun = false;
 function gesture(playing) {
-  const b = find("gesture");
-  if (b.dataset.on === String(!!playing)) return;
+  const b = find("play"), text = playing ? "Stop" : begun ? "Play again" : "Play";
   b.dataset.on = String(!!playing);
-  b.querySelector("span").textContent = playing ? "Stop gesture" : "Play gesture";
+  b.classList.toggle("primary", !playing);
+  if (b.lastElementChild.textContent !== text) b.lastElementChild.textContent = text;
 }
 
-function toggleGesture() {
-  if (!scene || !scene.message.gesture) return;
-  const play = !(state && state.playing);
-  if (state) state.playing = play;
-  gesture(play);
-  connection.send({ type: "gesture", play });
+function stopOrPlay() {
+  if (state && state.playing) {
+    state.playing = false;
+    connection.send({ type: "gesture", play: false });
+    gesture(false);
+  } else play();
+}
+
+async function play() {
+  if (!scene) return;
+  begun = true;
+  gesture(false);
+  // the beginning is heard, too; a browser that gives no sound does not hold it up
+  if (!state || !state.sound || state.sound === "page") await Promise.race([sound.start(), new Promise(done => setTimeout(done, 1000))]);
+  const reply = await connection.ask({ type: "play" });
+  if (reply.ok === false) status.say(reply.text, true);
 }
 
 function showSound(s) {
   const b = find("sound"), on = s.state === "on";
   b.dataset.on = String(on);
   const elsewhere = !!(state && state.sound && state.sound !== "page");
-  b.classList.toggle("primary", !on && !elsewhere);
   b.querySelector("span").textContent = on ? "Sound off" : s.state === "starting" ? "Starting…" : elsewhere ? "Also play here" : "Sound on";
   find("loudness").classList.toggle("off", !on);
   const mute = find("mute");
@@ -168,8 +178,8 @@ function elsewhere(before, now) {
 
 // sound starts with the first gesture, where it is the page that plays; a press on the button itself is its own
 function firstGesture(event) {
-  if (event.target.closest && event.target.closest("#sound, #stop, #mute")) return done();
-  if (event.type === "keydown" && /^(Tab|Shift|Control|Alt|Meta|Escape|s|m)$/.test(event.key)) return;
+  if (event.target.closest && event.target.closest("#play, #sound, #stop, #mute")) return done();
+  if (event.type === "keydown" && /^(Tab|Shift|Control|Alt|Meta|Escape|s|m|r| )$/.test(event.key)) return;
   done();
   if (sound.state === "off" && (!state || !state.sound || state.sound === "page")) sound.start();
   function done() {
@@ -188,12 +198,7 @@ find("changeForm").addEventListener("submit", async event => {
   if (reply.ok === false) status.say(reply.text, true);
 });
 for (const id of ["changeName", "changeValue"]) find(id).addEventListener("keydown", e => e.stopPropagation());
-find("gesture").addEventListener("click", toggleGesture);
-const restart = async () => {
-  const reply = await connection.ask({ type: "restart" });
-  if (reply.ok === false) status.say(reply.text, true);
-};
-find("restart").addEventListener("click", restart);
+find("play").addEventListener("click", stopOrPlay);
 find("sound").addEventListener("click", () => sound.toggle());
 find("mute").addEventListener("click", () => sound.mute());
 find("volume").addEventListener("input", e => sound.setVolume(+e.target.value));
@@ -206,11 +211,11 @@ addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
   const on = event.target, typing = on.matches("input[type=text], input[type=search], textarea, select");
   if (typing) return;
-  if (event.key === " " && !on.matches("button, summary, input[type=checkbox], input[type=radio]")) toggleGesture();
+  if (event.key === " " && !on.matches("button, summary, input[type=checkbox], input[type=radio]")) stopOrPlay();
   else if (event.key === "s") sound.toggle();
   else if (event.key === "m") sound.mute();
   else if (event.key === "0") reset();
-  else if (event.key === "r") restart();
+  else if (event.key === "r") play();
   else if (event.key === "Escape") { pointer.release(); pointer.show(-1); }
   else return;
   event.preventDefault();

@@ -1,9 +1,16 @@
 // From views that come when they come to a motion at the rate of the screen. It decides how far behind the newest view the
 // picture runs (one interval and what the network's unevenness asks, no more), which two views it lies between, and how
-// much motion on a line is exaggerated: by a peak that rises in a third of a second and falls in many, so that the
-// picture never jumps, a decay is seen as one, and silence is not magnified into noise.
+// much motion on a line is exaggerated: so that most of what moves is seen, though a few keys move a hundred times as far. The factor
+// settles within a second once something moves, and changes slowly from then on; a decay is seen as one, and silence is not
+// magnified into noise.
 
 const KEPT = 8;
+// time constants of the factor [s]: in the first second of motion, and then; so far off it is too small or large that it settles anew
+const SETTLES = 1, QUICK = 0.2, SLOW = 5, WRONG = Math.log(10);
+// masses that move less than this part of the farthest count as still
+const STILL = 1e-3;
+// what has faded to less than this part of the most is magnified no further
+const FADED = 0.05;
 
 export class Motion {
   constructor(scene) {
@@ -17,12 +24,14 @@ export class Motion {
     this.pair = null;
     const zero = { u: new Float32Array(scene.numbers), seconds: 0, serial: this.serial++ };
     this.still = { a: zero.u, b: zero.u, mix: 0, dt: 1, from: zero, to: zero };
-    this.peak = 0;          // of what is on a line [m]
+    this.peak = 0;          // how far what is on a line moves, as a running peak [m]
     this.most = 0;          // the most it ever was
     this.speed = 0;         // running peak of speed [m/s]
     this.far = 0;           // running peak of displacement, of all [m]
     this.lineLog = Math.log(scene.line);
     this.auto = true;
+    this.middle = new Float32Array(scene.n);   // where each mass on a line was lately, on average [m]
+    this.settled = 0;       // when the factor is no longer quick [s]
     this.frozen = false;    // a hand holds a mass: the factor under it must not change
     this.last = 0;
   }
@@ -72,13 +81,35 @@ export class Motion {
         if (v * v > fast) fast = v * v;
       }
     }
-    line = Math.sqrt(line); far = Math.sqrt(Math.max(far, line * line)); fast = Math.sqrt(fast) / dt;
-    const hold = Math.exp(-dt / 9), rise = 1 - Math.exp(-dt / 0.1);
+    line = Math.sqrt(line);
+    const typical = this.typical(u, dt);
+    far = Math.sqrt(Math.max(far, line * line)); fast = Math.sqrt(fast) / dt;
+    const hold = Math.exp(-dt / 9), rise = 1 - Math.exp(-dt / 0.1), lets = Math.exp(-dt / 0.4), takes = 1 - Math.exp(-dt / 0.3);
     const follow = (old, fresh) => (fresh > old ? (old === 0 ? fresh : old + (fresh - old) * rise) : Math.max(fresh, old * hold));
-    if (Number.isFinite(line)) this.peak = follow(this.peak, line);
+    // a key that goes down before its string is a moment, not the motion
+    if (Number.isFinite(typical)) this.peak = typical > this.peak ? this.peak + (typical - this.peak) * takes : Math.max(typical, this.peak * lets);
     if (Number.isFinite(far)) this.far = follow(this.far, far);
     if (Number.isFinite(fast)) this.speed = follow(this.speed, fast);
     this.most = Math.max(this.most, this.peak);
+  }
+
+  // how far those on a line move about where they were lately, so that a key that is held down counts as still: the geometric
+  // mean. For the shape of a string that is half of its middle, and a few masses that move far count for little
+  typical(u, dt) {
+    const { n, offset, space, counted } = this.scene, middle = this.middle, share = 1 - Math.exp(-dt / 0.5);
+    let most = 0;
+    for (let i = 0; i < n; i++) {
+      if (!counted[i] || space[i]) continue;
+      middle[i] += share * (u[offset[i]] - middle[i]);
+      most = Math.max(most, Math.abs(u[offset[i]] - middle[i]));
+    }
+    let sum = 0, moving = 0;
+    for (let i = 0; i < n; i++) {
+      if (!counted[i] || space[i]) continue;
+      const d = Math.abs(u[offset[i]] - middle[i]);
+      if (d > STILL * most) { sum += Math.log(d); moving++; }
+    }
+    return moving ? 2 * Math.exp(sum / moving) : 0;
   }
 
   // the views about the moment that is drawn at `now` [s], and the share of the second
@@ -100,10 +131,11 @@ export class Motion {
     const dt = Math.min(0.1, Math.max(0, now - this.last)), scene = this.scene;
     this.last = now;
     if (!this.auto || this.frozen || !scene.linear) return scene.line;
-    const peak = Math.max(this.peak, 1e-3 * this.most);
+    const peak = Math.max(this.peak, FADED * this.most);
     if (!(peak > 1e-9)) return scene.line;
     const want = Math.log(Math.min(1e9, Math.max(1e-3, 0.1 * scene.extent / peak)));
-    const time = want < this.lineLog ? 0.25 : 1.5;
+    if (this.settled === 0 || want < this.lineLog - WRONG) this.settled = Math.max(this.settled, now + SETTLES);
+    const time = now < this.settled ? QUICK : SLOW;
     this.lineLog += (want - this.lineLog) * (1 - Math.exp(-dt / time));
     scene.line = Math.exp(this.lineLog);
     return scene.line;
@@ -111,7 +143,7 @@ export class Motion {
 
   // from the motion of the scene before, where this one is the same instrument edited: no jump in the picture
   carry(before) {
-    for (const name of ["peak", "most", "speed", "far", "lineLog", "auto", "interval", "uneven"]) this[name] = before[name];
+    for (const name of ["peak", "most", "speed", "far", "lineLog", "auto", "settled", "interval", "uneven"]) this[name] = before[name];
     this.scene.line = before.scene.line;
     this.scene.true = before.scene.true;
   }

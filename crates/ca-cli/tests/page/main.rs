@@ -9,6 +9,7 @@ mod moments;
 #[cfg(target_os = "linux")]
 mod opens;
 mod pictures;
+mod shown;
 
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
@@ -227,6 +228,26 @@ mod in_real_time {
     #[test]
     fn a_take_lasts_until_it_is_saved() {
         moments::a_take_lasts_until_it_is_saved();
+    }
+
+    #[test]
+    fn it_plays_from_its_beginning() {
+        shown::it_plays_from_its_beginning();
+    }
+
+    #[test]
+    fn only_keys_that_sound_are_keys() {
+        shown::only_keys_that_sound_are_keys();
+    }
+
+    #[test]
+    fn one_button_plays() {
+        shown::one_button_plays();
+    }
+
+    #[test]
+    fn magnification_settles_and_is_calm() {
+        shown::magnification_settles_and_is_calm();
     }
 
     #[test]

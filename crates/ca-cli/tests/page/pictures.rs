@@ -28,7 +28,7 @@ pub fn are_made() {
         tab.looks(width, height, colours);
         until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 20") == true);
         let canvas = tab.part("canvas");
-        tab.js("document.getElementById('gesture').click()");
+        tab.js("document.getElementById('play').click()");
         let began = tab.js("+document.documentElement.dataset.tick").as_f64().unwrap_or_default();
         until("it plays", || {
             let tick = tab.js("+document.documentElement.dataset.tick").as_f64().unwrap_or_default();

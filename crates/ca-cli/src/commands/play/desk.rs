@@ -46,6 +46,8 @@ pub(crate) struct Desk {
     generation: u32,
     coming: Coming,
     next: Option<(Arc<Scene>, Arc<Drawing>)>,
+    /// the model's own gesture begins with the next version
+    plays: bool,
     news: Instant,
 }
 
@@ -76,6 +78,7 @@ impl Desk {
             generation: 1,
             coming: sink.coming(),
             next: None,
+            plays: false,
             news: Instant::now(),
         }
     }
@@ -86,6 +89,11 @@ impl Desk {
             inputs.version(&scene);
             (self.scene, self.drawing, self.holder) = (scene, drawing, None);
             self.page.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation));
+            if core::mem::take(&mut self.plays) && !self.scene.gestures.is_empty() {
+                if let Err(why) = recorder.gesture(true) {
+                    recorder.say(true, why);
+                }
+            }
         }
         let Some(made) = self.edit.turn(setups) else { return };
         let mut bad = made.is_err();
@@ -100,6 +108,7 @@ impl Desk {
         });
         let ok = made.is_ok();
         bad |= !ok;
+        self.plays &= ok;
         let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
         self.page.tell_all(&json!({"type": "report", "ok": ok, "text": text}));
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
@@ -161,6 +170,11 @@ impl Desk {
             "restart" => {
                 self.edit.restart();
                 done("all begins as at load")
+            }
+            "play" => {
+                self.edit.restart();
+                self.plays = true;
+                done("all begins as at load, and plays")
             }
             "midi" => {
                 inputs.midi(recorder, &bytes(&request["bytes"])?);

@@ -8,6 +8,7 @@ use ca_core::io::midi::MidiSource;
 use ca_core::scene::{Input, InputRole};
 use ca_view::Drawing;
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 
 /// The message `scene`.
 pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32) -> Value {
@@ -32,14 +33,19 @@ pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation
     })
 }
 
-/// The keys that some port listens to: from … to, or none.
+/// The keys that play, lowest first, or none.
+///
+/// A port that drives a parameter, such as the loudness of all notes, makes no key sound by itself.
 fn notes(scene: &Scene) -> Value {
     let range = |i: &Input| match i.midi?.source {
-        MidiSource::Note { low, high } => Some((low, high)),
+        MidiSource::Note { low, high } => Some(low..=high),
         _ => None,
     };
-    let all = scene.inputs.iter().filter_map(range).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-    all.map_or(Value::Null, |(low, high)| json!([low, high]))
+    let drives = |i: &Input| scene.live.driven.iter().any(|d| d.port == i.name);
+    let (turn, play): (Vec<&Input>, Vec<&Input>) = scene.inputs.iter().partition(|i| drives(i));
+    let of = |ports: Vec<&Input>| ports.into_iter().filter_map(range).flatten().collect::<BTreeSet<u8>>();
+    let keys = Some(of(play)).filter(|k| !k.is_empty()).unwrap_or_else(|| of(turn));
+    if keys.is_empty() { Value::Null } else { json!(keys) }
 }
 
 fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> Value {

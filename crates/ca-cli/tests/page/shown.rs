@@ -1,0 +1,132 @@
+//! What the page offers: one button that plays, keys that sound, buttons that keep their size, and a magnification that is calm.
+
+use crate::browser::Tab;
+use crate::host::{Host, peak, until};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// A blow at load, which is over before a person looks; nothing moves it again.
+const ONCE: &str = r#"
+[model]
+title = "Struck at load"
+seconds = 1
+[STRING]
+low = { n = 40, f = "110 Hz", t60 = "0.3 s", m = "1 g" }
+[MAS]
+hammer = { m = "20 g", x = "-5 mm", v = "1 m/s" }
+[BUT]
+strike = { between = ["hammer", "low[8]"], k = "8 kN/m", z = "0.2 N s/m" }
+[SOX]
+out = { from = "low[3]", gain = 800 }
+"#;
+
+fn bundled(name: &str) -> String {
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
+    std::fs::read_to_string(models.join(format!("{name}.ca.toml"))).unwrap()
+}
+
+fn end(mut host: Host) {
+    host.page().done(&json!({"type": "stop"}));
+    host.ended();
+}
+
+/// The instrument begins as at load, and its own gesture with it.
+pub fn it_plays_from_its_beginning() {
+    let host = Host::play(ONCE, &[]);
+    let mut page = host.page();
+    page.next("scene");
+    page.done(&json!({"type": "sound", "on": true}));
+    until("it has died away", || peak(&page.hear(0.1)) < 1e-6);
+    page.done(&json!({"type": "play"}));
+    assert_eq!(page.next("scene")["generation"], 2);
+    until("it sounds again", || peak(&page.hear(0.05)) > 0.01);
+    end(host);
+
+    let host = Host::play(crate::STRING, &[]);
+    let mut page = host.page();
+    page.next("scene");
+    page.done(&json!({"type": "play"}));
+    until("its gesture plays", || page.next("state")["playing"] == true);
+    until("and ends", || page.next("state")["playing"] == false);
+    end(host);
+}
+
+/// Of the keys of a kalimba the seven that have a tine.
+pub fn only_keys_that_sound_are_keys() {
+    let host = Host::play(&bundled("kalimba"), &[]);
+    let mut page = host.page();
+    assert_eq!(page.next("scene")["notes"], json!([60, 62, 64, 65, 67, 69, 72]));
+    if let Some(mut tab) = Tab::open(&host.address) {
+        until("the keyboard is there", || tab.js("document.querySelectorAll('#keyboard button').length") == 13);
+        let keys = "[...document.querySelectorAll('#keyboard button:enabled')].map(k => +k.dataset.note)";
+        assert_eq!(tab.js(keys), json!([60, 62, 64, 65, 67, 69, 72]));
+        assert_eq!(tab.errors(), Vec::<String>::new());
+    }
+    end(host);
+}
+
+/// One button turns the sound on and plays; afterwards it says that it plays again. In a narrow window no button changes its size for its words.
+pub fn one_button_plays() {
+    let host = Host::play(crate::STRING, &["--audio", "page"]);
+    let Some(mut tab) = Tab::open(&host.address) else { return };
+    tab.looks(390, 844, "dark");
+    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let label = |tab: &mut Tab| tab.js("document.getElementById('play').textContent.trim()");
+    let sizes = |tab: &mut Tab| -> Value {
+        tab.js(
+            "[...document.querySelectorAll('.tools button, #params .learn, #params .value')].map(b => \
+             { const r = b.getBoundingClientRect(); return [Math.round(r.x), Math.round(r.width), Math.round(r.height)]; })",
+        )
+    };
+    assert_eq!(label(&mut tab), "Play");
+    let before = sizes(&mut tab);
+    tab.js("document.getElementById('play').click()");
+    until("it plays", || label(&mut tab) == "Stop");
+    assert_eq!(tab.js("document.getElementById('sound').dataset.on"), "true");
+    assert_eq!(sizes(&mut tab), before, "while it plays");
+    until("it has played", || label(&mut tab) == "Play again");
+    tab.js("document.getElementById('mute').click()");
+    tab.js("document.querySelector('.learn').click()");
+    until("it waits for a knob", || tab.js("document.querySelector('.learn').textContent") == "turn a knob…");
+    tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; r.dispatchEvent(new Event('input')); })()");
+    assert_eq!(sizes(&mut tab), before, "muted, learning, moved");
+    assert_eq!(tab.js("document.documentElement.scrollWidth <= innerWidth"), true);
+    assert_eq!(tab.js("+document.documentElement.dataset.generation"), 2);
+    assert_eq!(tab.errors(), Vec::<String>::new());
+    end(host);
+}
+
+/// The factor of what `at(i, t)` [m] of `n` masses moves, once in a quarter of a second.
+fn factors(tab: &mut Tab, n: usize, at: &str) -> Vec<f64> {
+    let script = format!(
+        "(async () => {{ const {{ Motion }} = await import('./motion.js'); const n = {n}, at = {at}, out = []; \
+         const scene = {{ numbers: n, n, offset: Uint32Array.from({{ length: n + 1 }}, (_, i) => i), space: new Uint8Array(n), \
+         counted: new Uint8Array(n).fill(1), linear: true, extent: 1, line: 20, true: 1 }}; const m = new Motion(scene); \
+         for (let k = 0; k < 600; k++) {{ const t = k / 60; m.push(Float32Array.from({{ length: n }}, (_, i) => at(i, t)), t + 1e-6, t); \
+         m.exaggerate(t); if (k % 15 === 14) out.push(scene.line); }} return out; }})()"
+    );
+    tab.js(&script).as_array().expect("numbers").iter().map(|f| f.as_f64().unwrap()).collect()
+}
+
+/// A string that is plucked after a second, and 24 strings of 75 masses whose keys go down by ninety times as much, one after the other.
+pub fn magnification_settles_and_is_calm() {
+    let host = Host::play(crate::STRING, &[]);
+    let Some(mut tab) = Tab::open(&host.address) else { return };
+    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let string =
+        "(i, t) => t < 1 ? 0 : 1e-4 * Math.sin(Math.PI * (i + 1) / 41) * Math.cos(692.1 * t) * 10 ** (-0.5 * (t - 1))";
+    let piano = "(i, t) => { const key = Math.floor(i / 80), j = i % 80, s = t - 1 - 0.4 * key; if (s < 0 || key > 23) return 0; \
+                 if (j < 5) return s < 0.3 ? -9e-3 * Math.min(1, s / 0.04) : 0; \
+                 return s < 0.05 ? 0 : 1e-4 * Math.sin(Math.PI * j / 80) * Math.cos(825.4 * t) * 10 ** (-0.5 * s); }";
+    for (name, n, at) in [("string", 40, string), ("piano", 2400, piano)] {
+        let all = factors(&mut tab, n, at);
+        let late = &all[8..];
+        for w in late.windows(2) {
+            let step = (w[1] / w[0]).ln().abs();
+            assert!(step < 0.15, "{name}: from {:.0} to {:.0} in a quarter of a second; {all:.0?}", w[0], w[1]);
+        }
+        // what moves by 0.1 mm is drawn as 1 % of the picture at least, though keys go beyond it
+        assert!(late.iter().all(|f| f * 1e-4 > 0.01), "{name} looks frozen: {all:.0?}");
+    }
+    end(host);
+}
