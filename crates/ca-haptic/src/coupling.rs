@@ -1,16 +1,17 @@
-//! Virtual coupling: what softens a key that its device cannot render.
+//! Virtual coupling: a spring and a damper that soften a key which its device cannot render.
 //!
-//! Decides when a scene meets its devices, by the stiffness that each key presents to the hand at most, whether a spring and a
-//! damper stand between the two (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and how stiff they are: a key that
-//! the device can hold is left as it is and costs nothing. A coupling that is always there would soften those too. With it
-//! the scene is compiled once more ([`ca_core::scene::Coupling`]): behind the coupling the model keeps its stiffness, and its sound.
+//! [`needed`] compares the stiffness that each key presents to the hand at most with what the device holds, when a scene meets
+//! its devices. A key that the device can hold stays as it is and costs nothing. Before a stiffer one stand a spring and a damper
+//! (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and the scene is compiled once more
+//! ([`ca_core::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
 //!
-//! What a device holds is what it says it renders, or half of what stays passive with its own friction b, K ≤ b/(κT), with each
-//! force a frame later than it is computed, since real devices take it then (docs/numerics.md §5.2), whichever is less. The
-//! other half is what a profile may be wrong by: most of them do not know the friction. The spring of the coupling and the
-//! links at their stiffest together make exactly that. The damper ends what swings, and bounds how much a lossless model
-//! behind it can make of the delay: with 3b/4 on a spring of b/(2κT), a device of 0.79 b is passive before any model.
-//! The mass between coupling and links is as light as a tick allows; no device feels it.
+//! With its own friction b a device stays passive up to K ≤ b/(κT), with each force a frame later than it is computed, because
+//! real devices take it then (docs/numerics.md §5.2). A key is softened above nine tenths of that, or above the stiffness of the
+//! profile if that is less. It is softened to half of what is passive: most profiles do not know the friction exactly, and a
+//! coupling that is made has to be right. The spring of the coupling and the links at their stiffest together make that
+//! stiffness. The damper takes energy out of the model behind it, which can store what the delay makes. With 3b/4 on a spring of
+//! b/(2κT), a device of 0.79 b is passive before any model. The mass between coupling and links is the lightest that the
+//! scheme allows; no device can measure it.
 
 use crate::engine::{Setup, coupled};
 use crate::profile::Profile;
@@ -26,11 +27,13 @@ use std::collections::BTreeMap;
 /// Steps in which a key is moved over its travel, and most of them times the modules of the scene.
 const STEPS: usize = 2000;
 const MOST: usize = 20_000_000;
-/// Part of what is passive that a key is given: the other part is what a profile may be wrong by.
+/// Part of what is passive up to which a key stays as it is.
+const KEPT: f64 = 0.9;
+/// Part of what is passive that a softened key is given: the friction of the profile may be wrong.
 const SURE: f64 = 0.5;
 /// Viscosity of the coupling, as a part of the friction of the device, before links of any stiffness.
 const DAMPER: f64 = 0.75;
-/// A coupling is at most so many times as stiff as what the device holds.
+/// Largest stiffness of a coupling, in stiffnesses that a softened key is given.
 const STIFFEST: f64 = 10.0;
 /// T²k + 2Tz of coupling and links, times this, is the mass between them: a 16th of the limit of the scheme.
 const HEAVIER: f64 = 4.0;
@@ -42,8 +45,10 @@ pub struct Held {
     pub passive: f64,
     /// ... were forces taken at once
     pub at_once: f64,
-    /// the stiffest that it is given: half of that, or what it says it renders where that is less
-    pub most: f64,
+    /// a key up to here stays as it is: 0.9 of `passive`, or the stiffness of the profile if that is less \[N/m\]
+    pub kept: f64,
+    /// a stiffer one is softened to this: half of `passive`, or the stiffness of the profile if that is less \[N/m\]
+    pub given: f64,
 }
 
 impl Held {
@@ -57,8 +62,8 @@ impl Held {
         let b = profile.body.friction;
         let later = Delays { spring: d.spring + d.frame, ..d };
         let passive = later.stiffest(b);
-        let most = profile.stiffness.map_or(SURE * passive, |k| k.min(SURE * passive));
-        Held { passive, at_once: d.stiffest(b), most }
+        let [kept, given] = [KEPT, SURE].map(|part| profile.stiffness.map_or(part * passive, |k| k.min(part * passive)));
+        Held { passive, at_once: d.stiffest(b), kept, given }
     }
 }
 
@@ -106,7 +111,7 @@ impl Presented {
     }
 }
 
-/// What the certificate says of the key at a place of the state.
+/// The key of the certificate at MAT number `at`.
 pub fn key(scene: &Scene, at: usize) -> Option<&Key> {
     scene.certificate.keys.iter().find(|k| k.name == scene.mat_name(at))
 }
@@ -130,7 +135,7 @@ impl fmt::Display for Softened {
         let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::kind::Unit::STIFFNESS));
         write!(
             f,
-            "`{}` is up to {presents} stiff, and `{device}` holds {felt}: a virtual coupling softens it to that in the hand; \
+            "`{}` is up to {presents} stiff, more than `{device}` holds: a virtual coupling softens it to {felt} in the hand; \
              the model keeps its stiffness (`ca check --device`)",
             coupling.port
         )
@@ -147,10 +152,10 @@ pub fn needed(scene: &Scene, setups: &[Setup]) -> Vec<Softened> {
 
 fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
     let p = &setup.profile;
-    let most = Held::new(scene, p).most;
-    // of one that says later what it is, the most is known
+    let Held { kept, given, .. } = Held::new(scene, p);
+    // a device that describes itself later has a largest profile
     let gives = p.force > 0.0 || p.is_unknown();
-    if !(p.guard.coupling && gives && most > 0.0 && most.is_finite()) {
+    if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
         return Vec::new();
     }
     // ports by the MAT they move, whose axes share a coupling: stiffness in the hand, and degrees of freedom
@@ -174,11 +179,11 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
     let soften = |(port, (k, gain, dofs)): (String, (f64, f64, Vec<u32>))| {
         // ports of one degree of freedom share what it holds
         let all = dofs.iter().filter_map(|d| sums.get(d)).fold(0.0, |a: f64, b| a.max(*b));
-        if all.is_nan() || all <= most * (1.0 + 1e-9) {
+        if all.is_nan() || all <= kept * (1.0 + 1e-9) {
             return None;
         }
-        let (share, near) = (k / all, (1.0 - most / all).max(1.0 / STIFFEST));
-        let (spring, damper) = (share * most / near, share * DAMPER * p.body.friction / near);
+        let (share, near) = (k / all, (1.0 - given / all).max(1.0 / STIFFEST));
+        let (spring, damper) = (share * given / near, share * DAMPER * p.body.friction / near);
         let felt = 1.0 / (1.0 / spring + 1.0 / k);
         let m = HEAVIER * (tick_dt * tick_dt * (k + spring) + 2.0 * tick_dt * damper);
         let model = |v: f64| v / gain;
@@ -189,12 +194,12 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
     mats.into_iter().filter_map(soften).collect()
 }
 
-/// The first key that is stiffer than this device holds, and by how much it is felt, where couplings are as they are.
+/// The first key that is stiffer than this device holds, and the stiffness that is felt \[N/m\], with the couplings of the scene.
 pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     if !scene.crossing.feedback || !setup.profile.guard.coupling {
         return None;
     }
-    let most = Held::new(scene, &setup.profile).most * (1.0 + 1e-9);
+    let most = Held::new(scene, &setup.profile).kept * (1.0 + 1e-9);
     let known = coupled(scene, &setup.device);
     let soft = |name: &str| known.iter().find(|c| c.0 == name).map(|c| c.1);
     let mine = |t: &usize| {
@@ -208,25 +213,25 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     })
 }
 
-/// A scene that met its devices.
+/// A compiled scene, with the couplings that its devices need.
 pub struct Met {
-    /// what runs; its findings are those of the model as it was written
+    /// the scene; its findings are those of the model as it was written
     pub compiled: Compiled,
     /// keys that are softened
     pub softened: Vec<Softened>,
-    /// why none is, where some should be
+    /// why no coupling could be made
     pub failed: Option<String>,
 }
 
 impl Met {
-    /// What people have to know, a line each.
+    /// A line for each softened key, or for the failure.
     pub fn said(&self) -> Vec<String> {
         self.softened.iter().map(ToString::to_string).chain(self.failed.clone()).collect()
     }
 }
 
-/// Couples an uncoupled scene to its devices where it needs it: `options` have the couplings then, and `again` compiles with
-/// them.
+/// Couples an uncoupled scene to its devices if a key needs it. `options` have the couplings after that, and `again` compiles
+/// with them.
 pub fn meet<E>(
     compiled: Compiled,
     setups: &[Setup],

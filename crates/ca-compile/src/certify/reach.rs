@@ -1,12 +1,13 @@
 //! Computes the largest elongation of a hardening link, and its slope there.
 //!
-//! A scene without ports holds at most its energy at load, which bounds the potential U(e) of each link. A tick adds one step: at an
-//! elongation e the speed is at most √(2(E − U)/m), so the reach is the largest e + T√(2(E − U)/m). A spring at a port with a built-in
+//! A scene without ports holds at most its energy at load, which bounds the potential U(e) of each link on both sides of the
+//! elongation at load. A tick adds one step: at an elongation e the speed is at most √(2(E − U)/m), so the reach is the largest
+//! e + T√(2(E − U)/m). A spring at a port with a built-in
 //! gesture is judged at the stroke of that port, as if its other end stood still. A contact at a port is not, because the other end
 //! gives way. The reach of all other links is unknown.
 
 use crate::net::worst::WorstMat;
-use crate::net::{LiaNode, MatNode, MatRole, Pruned, elongation, linearisation};
+use crate::net::{LiaNode, MatNode, MatRole, Measure, Pruned, elongation, linearisation};
 use alloc::vec::Vec;
 use ca_core::law::Bound;
 use ca_core::numeric::{Real, real, wide};
@@ -57,7 +58,10 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
         let (between, cause) = match (energy, stroke) {
             (Some(energy), _) => {
                 let c: f64 = l.all_ends().flat_map(|e| net.under(e)).map(|m| mats[m as usize].c).sum();
-                ([-law.farthest(-1.0, energy, c), law.farthest(1.0, energy, c)], Cause::Energy)
+                let [from, to] = [-1.0, 1.0].map(|side| start + side * law.farthest(start, side, energy, c));
+                // a distance in space is not below 0
+                let from = if matches!(l.measure, Measure::Radial) { from.max(0.0) } else { from };
+                ([from, to], Cause::Energy)
             }
             (None, Some(s)) => ([start - s, start + s], Cause::Stroke),
             (None, None) => return None,
@@ -90,20 +94,21 @@ impl<'n> Link<'n> {
         wide((self.l.law.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e))
     }
 
-    /// The largest elongation to one `side` of 0 with this energy \[J\] and mobility T²/m \[m/N\].
-    fn farthest(&self, side: f64, energy: f64, c: f64) -> f64 {
+    /// The largest change of the elongation from `start` to one side, with this energy \[J\] and mobility T²/m \[m/N\].
+    fn farthest(&self, start: f64, side: f64, energy: f64, c: f64) -> f64 {
+        let stored = |change: f64| self.stored(start + side * change);
         let mut high = 1e-12;
-        while self.stored(side * high) < energy && high < FAR {
+        while stored(high) < energy && high < FAR {
             high *= 2.0;
         }
         let mut low = 0.0;
         for _ in 0..STEPS {
             let middle = 0.5 * (low + high);
-            if self.stored(side * middle) < energy { low = middle } else { high = middle }
+            if stored(middle) < energy { low = middle } else { high = middle }
         }
         // with the step of the next tick, which is a concave function of the place
         let end = high;
-        let after = |e: f64| e + libm::sqrt(2.0 * c * (energy - self.stored(side * e)).max(0.0));
+        let after = |e: f64| e + libm::sqrt(2.0 * c * (energy - stored(e)).max(0.0));
         let (mut low, mut high) = (0.0, end);
         for _ in 0..STEPS {
             let third = (high - low) / 3.0;

@@ -1,10 +1,9 @@
-//! Coupling: a device port whose links its device cannot render gets a spring and a damper to a mass, which has the links
-//! instead.
+//! Coupling: a mass between a device port and its links, with a spring and a damper to the port.
 //!
-//! Decides to put ordinary modules into the network, rather than to give the rate border a law of its own: the tick, the
-//! certificate, the ledger and groups at the gesture rate then treat a coupled port as they treat any other, and the energy at
-//! the port stays exact. A scene without a coupling has no trace of it. What follows the position of the port, or hears it,
-//! stays with the port: that is where the hand is.
+//! A device that cannot render the links of a key gets this (`ca_haptic::coupling`). The coupling is made of ordinary modules,
+//! and the rate border has no law of its own for it. So the tick, the certificate, the ledger and groups at the gesture rate treat
+//! a coupled port as any other, and the energy at the port stays exact. A scene without a coupling has no trace of it. A module
+//! that follows the position of the port, or an output of it, stays with the port: the hand is there.
 
 use crate::net::{End, LiaNode, MatNode, MatRole, Measure, Medium, NetItem, Wired};
 use alloc::format;
@@ -17,7 +16,7 @@ use ca_core::phi::REF;
 use ca_core::scene::Coupling;
 use ca_core::tuning::Method;
 
-/// Puts them in.
+/// Adds the modules of these couplings to the network.
 pub fn couple(net: &mut Wired, couplings: &[Coupling]) {
     let (Role::Mat(mas), Role::Lia(law)) = (MAS.role, REF.role) else { return };
     let tgr = |m: &MatNode| matches!(m.role, MatRole::Port(PortRole::Tgr, _));

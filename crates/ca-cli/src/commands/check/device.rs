@@ -1,14 +1,13 @@
 //! What a model asks of a device, before anybody plays it.
 //!
-//! Decides to take the larger of two stiffnesses of a key: the sum that the compiler certifies (all contacts closed, live
-//! parameters at their stiffest) and the steepest place of the force measured over the whole travel of the device, with
-//! everything behind the key at rest, which is how a law that stiffens without end shows itself. Both limits are reported:
-//! what the device says it renders, and what stays passive with its own friction, K ≤ b/(κT), where κT is the delay of
-//! the border and one frame more, since a real device takes each force a frame later (docs/numerics.md §5.2: κ = 2), of
-//! the frames of the device where those are longer. A stiffer key is softened while it is played ([`coupling`]). A force
-//! beyond the largest is no fault of the model, every hard stop has it: so it is said where in the travel it begins. What the
-//! model plays by itself (`[gesture]`), and where its keys rest, is what a hand would have to reach: beyond the travel of
-//! the device it cannot be played, so that is too much as well.
+//! The stiffness of a key is the larger of two: the sum that the compiler certifies (all contacts closed, live parameters at
+//! their stiffest), and the steepest place of the force over the whole travel of the device, with everything behind the key at
+//! rest. The second one finds a law that stiffens without end. Two limits are reported: the stiffness of the profile, and what
+//! stays passive with the friction of the device, K ≤ b/(κT), where κT is the delay of the border and one frame more, because a
+//! real device takes each force a frame later (docs/numerics.md §5.2: κ = 2). A frame is one of the device if those are longer.
+//! A stiffer key is softened while it is played ([`coupling`]). A force beyond the largest is no fault of the model, since every
+//! hard stop has it: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
+//! of the device cannot be played: that is a fault too.
 
 use crate::commands::border::quantity;
 use crate::load::ticked;
@@ -226,10 +225,10 @@ impl<'a> DeviceDemands<'a> {
         if self.rows.iter().any(|r| r.felt.is_some() || self.beyond(r).contains(&true)) {
             writeln!(
                 out,
-                "\n  A softened key is felt through a virtual coupling: the model and its sound stay as they are. A key is given half \
-                 of the passive\n  stiffness, for a profile may be wrong. To feel more of it, lower the stiffness of its links, make \
-                 the model lighter in the hand\n  (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive stiffness grows \
-                 with it. What is beyond a limit and\n  not softened can shake in the hand."
+                "\n  A softened key is felt through a virtual coupling: the model and its sound stay as they are. A key above 0.9 of \
+                 the passive\n  stiffness is softened to half of it, for a profile may be wrong. To feel more of it, lower the stiffness of \
+                 its links, make the\n  model lighter in the hand (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive \
+                 stiffness grows with it. A key\n  beyond a limit that is not softened can shake in the hand."
             )?;
         }
         Ok(())
