@@ -23,7 +23,7 @@ struct Fading {
     /// samples up to the last event, and those that are to be quiet
     last: u64,
     hold: u64,
-    /// greatest sample so far
+    /// peak so far
     peak: f64,
     /// samples so far, and how many of the last of them were quiet
     heard: u64,

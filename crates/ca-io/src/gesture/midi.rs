@@ -72,7 +72,8 @@ fn unheard(ignored: &[Event]) -> Option<String> {
         format!("{}{rest} on channel {channel}", shown.join(", "))
     };
     let notes: Vec<String> = all.iter().map(of).collect();
-    (times > 0).then(|| format!("{times} notes move no port: {}", notes.join("; ")))
+    let what = if times == 1 { "1 note moves".into() } else { format!("{times} notes move") };
+    (times > 0).then(|| format!("{what} no port: {}", notes.join("; ")))
 }
 
 /// So many notes that move nothing are named.

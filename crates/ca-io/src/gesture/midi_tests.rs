@@ -77,7 +77,7 @@ fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark()
         let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127]), (0, between), (1000, &[60, 0])]]), &[key()]).unwrap();
         assert_eq!(g.tracks(), plain.tracks());
         let [remark] = g.remarks() else { panic!("{:?}", g.remarks()) };
-        assert!(remark.starts_with("running status goes on 1 times"), "{remark}");
+        assert!(remark.starts_with("running status goes on once"), "{remark}");
     }
     // an event with a status byte needs no remark
     let events: &[(u32, &[u8])] = &[(0, &[0x90, 60, 127]), (0, &[0xff, 1, 1, 0x41]), (1000, &[0x90, 60, 0])];

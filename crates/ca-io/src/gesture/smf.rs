@@ -80,7 +80,8 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     }
     if broken > 0 {
         let rule = "after a meta or system-exclusive event, which the standard forbids";
-        remarks.push(format!("running status goes on {broken} times {rule}; it is read as before that event"));
+        let times = if broken == 1 { "once".into() } else { format!("{broken} times") };
+        remarks.push(format!("running status goes on {times} {rule}; it is read as before that event"));
     }
     // stable: the order of tracks and events is kept within a tick
     raw.sort_by_key(|e| e.0);

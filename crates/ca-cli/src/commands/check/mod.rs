@@ -30,7 +30,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
     }
     let model = &args.source.model;
     let mut watch = Watch::of(model)
-        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is not a file that could change; name one")))?;
+        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is not a file that could change, but a bundled model or standard input; name a file")))?;
     loop {
         let mut files = Vec::new();
         let checked = once(args, &mut files);
