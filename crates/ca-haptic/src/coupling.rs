@@ -11,7 +11,7 @@
 //! coupling that is made has to be right. The spring of the coupling and the links at their stiffest together make that
 //! stiffness. The damper takes energy out of the model behind it, which can store what the delay makes. With 3b/4 on a spring of
 //! b/(2κT), a device of 0.79 b is passive before any model. The mass between coupling and links is the lightest that the
-//! scheme allows; no device can measure it.
+//! scheme allows. Where that is more than a tenth of the device, the hand would feel the mass: no coupling fits.
 
 use crate::engine::{Setup, coupled};
 use crate::profile::Profile;
@@ -37,8 +37,10 @@ const DAMPER: f64 = 0.75;
 const STIFFEST: f64 = 10.0;
 /// T²k + 2Tz of coupling and links, times this, is the mass between them: a 16th of the limit of the scheme.
 const HEAVIER: f64 = 4.0;
+/// Largest mass between coupling and links, in masses of the device.
+const LIGHT: f64 = 0.1;
 
-/// What a device holds.
+/// Stiffnesses that a device can render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
     /// the stiffest sum of springs on which it is passive, each force a frame later \[N/m\]
@@ -142,21 +144,31 @@ impl fmt::Display for Softened {
     }
 }
 
-/// The couplings that an uncoupled scene needs before these devices.
-pub fn needed(scene: &Scene, setups: &[Setup]) -> Vec<Softened> {
-    if !scene.crossing.feedback {
-        return Vec::new();
-    }
-    setups.iter().flat_map(|s| of_device(scene, s)).collect()
+/// Keys that their devices cannot render.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Needed {
+    /// those that a coupling softens
+    pub softened: Vec<Softened>,
+    /// names of those for which no coupling fits
+    pub too_stiff: Vec<String>,
 }
 
-fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
+/// The couplings that an uncoupled scene needs before these devices.
+pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
+    let mut all = Needed::default();
+    if scene.crossing.feedback {
+        setups.iter().for_each(|s| of_device(scene, s, &mut all));
+    }
+    all
+}
+
+fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     let p = &setup.profile;
     let Held { kept, given, .. } = Held::new(scene, p);
     // a device that describes itself later has a largest profile
     let gives = p.force > 0.0 || p.is_unknown();
     if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
-        return Vec::new();
+        return;
     }
     // ports by the MAT they move, whose axes share a coupling: stiffness in the hand, and degrees of freedom
     let mut mats: BTreeMap<String, (f64, f64, Vec<u32>)> = BTreeMap::new();
@@ -176,11 +188,11 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
         }
     }
     let tick_dt = scene.sample_dt / f64::from(scene.oversample());
-    let soften = |(port, (k, gain, dofs)): (String, (f64, f64, Vec<u32>))| {
+    for (port, (k, gain, dofs)) in mats {
         // ports of one degree of freedom share what it holds
         let all = dofs.iter().filter_map(|d| sums.get(d)).fold(0.0, |a: f64, b| a.max(*b));
         if all.is_nan() || all <= kept * (1.0 + 1e-9) {
-            return None;
+            continue;
         }
         let (share, near) = (k / all, (1.0 - given / all).max(1.0 / STIFFEST));
         let (spring, damper) = (share * given / near, share * DAMPER * p.body.friction / near);
@@ -188,10 +200,13 @@ fn of_device(scene: &Scene, setup: &Setup) -> Vec<Softened> {
         let m = HEAVIER * (tick_dt * tick_dt * (k + spring) + 2.0 * tick_dt * damper);
         let model = |v: f64| v / gain;
         let coupling = Coupling { port, k: model(spring), z: model(damper), m: model(m), felt: model(felt) };
-        let sane = [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
-        sane.then(|| Softened { device: setup.device.clone(), presents: k, felt, coupling })
-    };
-    mats.into_iter().filter_map(soften).collect()
+        let fits = m <= LIGHT * p.body.mass && [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
+        if fits {
+            needed.softened.push(Softened { device: setup.device.clone(), presents: k, felt, coupling });
+        } else {
+            needed.too_stiff.push(coupling.port);
+        }
+    }
 }
 
 /// The first key that is stiffer than this device holds, and the stiffness that is felt \[N/m\], with the couplings of the scene.
@@ -219,14 +234,20 @@ pub struct Met {
     pub compiled: Compiled,
     /// keys that are softened
     pub softened: Vec<Softened>,
-    /// why no coupling could be made
-    pub failed: Option<String>,
+    /// names of keys for which no coupling fits
+    pub too_stiff: Vec<String>,
 }
 
 impl Met {
-    /// A line for each softened key, or for the failure.
+    /// A line for each of these keys.
     pub fn said(&self) -> Vec<String> {
-        self.softened.iter().map(ToString::to_string).chain(self.failed.clone()).collect()
+        let hard = |port: &String| {
+            format!(
+                "`{port}` is stiffer than its device holds, and no coupling fits the model: it can shake in the hand \
+                 (`ca check --device`); make it softer"
+            )
+        };
+        self.softened.iter().map(ToString::to_string).chain(self.too_stiff.iter().map(hard)).collect()
     }
 }
 
@@ -238,9 +259,9 @@ pub fn meet<E>(
     options: &mut Options,
     again: impl FnOnce(&Options) -> Result<Compiled, E>,
 ) -> Met {
-    let softened = needed(&compiled.scene, setups);
+    let Needed { softened, mut too_stiff } = needed(&compiled.scene, setups);
     if softened.is_empty() {
-        return Met { compiled, softened, failed: None };
+        return Met { compiled, softened, too_stiff };
     }
     options.couplings = softened.iter().map(|s| s.coupling.clone()).collect();
     let stable = |c: &Compiled| {
@@ -248,13 +269,9 @@ pub fn meet<E>(
     };
     if let Some(coupled) = again(options).ok().filter(stable) {
         let compiled = Compiled { findings: compiled.findings, ..coupled };
-        return Met { compiled, softened, failed: None };
+        return Met { compiled, softened, too_stiff };
     }
     options.couplings.clear();
-    let first = softened.first().map_or("", |s| &s.coupling.port);
-    let failed = format!(
-        "`{first}` is stiffer than its device holds, and no coupling fits the model: it can shake in the hand \
-         (`ca check --device`); make it softer"
-    );
-    Met { compiled, softened: Vec::new(), failed: Some(failed) }
+    too_stiff.extend(softened.into_iter().map(|s| s.coupling.port));
+    Met { compiled, softened: Vec::new(), too_stiff }
 }

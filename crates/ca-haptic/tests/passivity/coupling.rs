@@ -51,7 +51,7 @@ fn what_is_felt_is_what_the_device_holds() {
         let first = scene(&text);
         let held = Held::new(&first, &p);
         assert!((held.passive - 3000.0).abs() < 1e-6 && (held.kept - 2700.0).abs() < 1e-6 && (held.given - 1500.0).abs() < 1e-6, "{held:?}");
-        let soft = &needed(&first, &[setup(&first, &p)])[0];
+        let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
         assert!(soft.felt <= held.given * (1.0 + 1e-9) && soft.felt > 0.7 * held.given, "{k}: {soft:?}");
         // a hand that presses slowly feels that
         let mut rig = Rig::new(&met(&text, &p), "key", p.clone());
@@ -61,6 +61,17 @@ fn what_is_felt_is_what_the_device_holds() {
         let want = soft.felt * (1e-3 - GAP);
         assert!((f64::from(f.force[0]) / want - 1.0).abs() < 1e-3, "{k}: {} N, {want} N", f.force[0]);
         assert!(f.flags & flag::COUPLED != 0 && f.flags & flag::PASSIVITY == 0);
+    }
+}
+
+/// The mass of a coupling grows with the wall: 20 g, a tenth of this device, at 11 MN/m.
+#[test]
+fn a_wall_that_no_coupling_fits_is_reported() {
+    let p = e02(true);
+    for (k, fits) in [(1e7, true), (1.2e7, false), (1e300, false)] {
+        let first = scene(&wall(k, 0.0));
+        let needed = needed(&first, &[setup(&first, &p)]);
+        assert_eq!((needed.softened.len(), needed.too_stiff.len()), if fits { (1, 0) } else { (0, 1) }, "{k}: {needed:?}");
     }
 }
 
@@ -149,7 +160,7 @@ fn a_force_fades_out_where_another_version_plays() {
         let most = slew.min(3.2 / p.guard.zero * 1.05) * FRAME_DT;
         let mut fading = 0;
         for n in 0..80 {
-            // a device that says nothing for a while is no fault of the fade
+            // the fade goes on while the device is silent
             let f = rig.go((n > 3).then_some(&[-1.7e-3]), 0);
             let step = f64::from(last.force[0] - f.force[0]);
             assert!((-1e-6..most * 1.001 + 1e-6).contains(&step), "frame {n}: {step} N, {most} N");
@@ -200,7 +211,7 @@ fn the_ledger_of_a_coupled_key_closes() {
         wall(2e4, 0.0)
     );
     let first = compiled(&text, &Compile::default());
-    let soft = needed(&first.scene, &[setup(&first.scene, &p)]);
+    let soft = needed(&first.scene, &[setup(&first.scene, &p)]).softened;
     assert_eq!(soft.len(), 1);
     let options = Compile { energy: true, couplings: vec![soft[0].coupling.clone()], ..Compile::default() };
     let scene = Arc::new(compiled(&text, &options).scene);

@@ -5,8 +5,8 @@
 //! rest. The second one finds a law that stiffens without end. Two limits are reported: the stiffness of the profile, and what
 //! stays passive with the friction of the device, K ≤ b/(κT), where κT is the delay of the border and one frame more, because a
 //! real device takes each force a frame later (docs/numerics.md §5.2: κ = 2). A frame is one of the device if those are longer.
-//! A stiffer key is softened while it is played ([`coupling`]). A force beyond the largest is no fault of the model, since every
-//! hard stop has it: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
+//! A stiffer key is softened while it is played ([`coupling`]). Every hard stop makes a force beyond the
+//! largest: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
 //! of the device cannot be played: that is a fault too.
 
 use crate::commands::border::quantity;
@@ -83,7 +83,7 @@ impl<'a> DeviceDemands<'a> {
             gains: equivalence::gains(scene, device),
         };
         let softened = coupling::needed(scene, &devices.iter().map(setup).collect::<Vec<_>>());
-        let felt = |mat: &str| softened.iter().find(|s| s.coupling.port == mat).map(|s| s.felt);
+        let felt = |mat: &str| softened.softened.iter().find(|s| s.coupling.port == mat).map(|s| s.felt);
         let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &felt)).collect();
         DeviceDemands {
             profile,
