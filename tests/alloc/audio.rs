@@ -27,11 +27,11 @@ fn run(frames: u64, change: bool) -> (u64, u64) {
     let patch = if change {
         let (outlet, mut patch) = outlet(Some(before.0));
         assert!(patch.put(Some(follow)));
-        ends.audio = outlet;
+        ends.audio = Some(outlet);
         patch
     } else {
         let (outlet, patch) = outlet(Some(follow));
-        ends.audio = outlet;
+        ends.audio = Some(outlet);
         patch
     };
     let counts = watch.counts.clone();

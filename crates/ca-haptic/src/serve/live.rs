@@ -32,8 +32,8 @@ pub struct Rings {
     pub timings: Producer<FrameTiming>,
     /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
-    /// what plays the sound at once, besides files
-    pub audio: Outlet,
+    /// plays the sound at once, besides files
+    pub audio: Option<Outlet>,
 }
 
 /// How a gesture frame went.
@@ -133,11 +133,11 @@ impl Live {
         let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
             let mut blind = 0;
-            if self.rings.audio.turn() {
-                // the time that another clock has counted is none of this one's
+            if self.rings.audio.as_mut().is_some_and(Outlet::turn) {
+                // time begins anew on another clock
                 pace = Pace::new(period);
             }
-            let start = match (self.clock, self.rings.audio.now()) {
+            let start = match (self.clock, self.rings.audio.as_mut().and_then(Outlet::now)) {
                 (Clock::Audio, Some(audio)) => audio.next(),
                 (Clock::Monotonic | Clock::Audio, _) => pace.next(),
                 (Clock::Device { patience }, _) => {
@@ -224,7 +224,7 @@ impl Live {
         if !put(&mut rings.sound, due, sound, &[]) {
             shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
         }
-        if let Some(audio) = rings.audio.now() {
+        if let Some(audio) = rings.audio.as_mut().and_then(Outlet::now) {
             audio.put(sound);
         }
         shared.diverged.store(engine.has_diverged(), Relaxed);

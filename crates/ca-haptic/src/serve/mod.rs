@@ -95,7 +95,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
             sound: sound_in,
             timings: beats_in,
             views: views_in,
-            audio: audio::outlet(None).0,
+            audio: None,
         },
         GatewayEnds { frames: frames_in, forces: forces_out },
         RecorderEnds {

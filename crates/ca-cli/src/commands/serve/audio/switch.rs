@@ -68,14 +68,14 @@ pub(in super::super) struct Switch {
 }
 
 impl Switch {
-    /// Opens the output of `--audio`, or with a `page` a server that runs; with the engine's end of it.
+    /// Opens the output of `--audio`, or with a `page` a server that runs. Gives the engine's end too, if an output can be chosen.
     pub(in super::super) fn open(
         args: &ServeArgs,
         scene: &Arc<Scene>,
         recorder: &mut Recorder,
         page: bool,
         request: RtRequest,
-    ) -> Result<(Switch, Outlet), Failure> {
+    ) -> Result<(Switch, Option<Outlet>), Failure> {
         let wants = OutputOptions::new(args, scene, page, request);
         let found = super::open(args, &wants, page)?;
         let (mut follow, mut playing) = (None, None);
@@ -105,11 +105,13 @@ impl Switch {
             choices: None,
         };
         if open {
-            switch.choices = super::choices(page);
+            if page || args.audio.is_some() {
+                switch.choices = super::choices(page);
+            }
             recorder.outputs().choices = super::servers(page);
             switch.says(recorder);
         }
-        Ok((switch, outlet))
+        Ok((switch, (page || args.audio.is_some()).then_some(outlet)))
     }
 
     /// The MIDI port of the server, once.
