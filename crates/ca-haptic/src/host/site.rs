@@ -55,14 +55,17 @@ pub struct Swept {
 }
 
 impl Site {
-    /// The place of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`.
+    /// The place of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`. If another user has made that folder, it is `ca` in
+    /// `XDG_RUNTIME_DIR`.
     ///
     /// # Errors
-    /// Where the folder is of somebody else, a symbolic link, or cannot be made.
+    /// If the folder belongs to another user, is a symbolic link, or cannot be made.
     pub fn of_user() -> Result<Site, HostError> {
-        match std::env::var_os("CA_SHM_ROOT") {
-            Some(root) if !root.is_empty() => Site::at(Path::new(&root)),
-            _ => Site::at(Path::new(&format!("/tmp/ca-{}", uid()))),
+        let of_env = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let runtime = of_env("XDG_RUNTIME_DIR").map(|d| d.join("ca"));
+        match of_env("CA_SHM_ROOT") {
+            Some(root) => Site::at(&root),
+            None => Site::at(&free(PathBuf::from(format!("/tmp/ca-{}", uid())), runtime)),
         }
     }
 
@@ -234,7 +237,43 @@ pub(super) fn stamp() -> String {
     format!("ca{VERSION}-{IOX}-")
 }
 
+/// The first folder that other users leave to this one: `usual`, unless one of them has made it, or `runtime`. A process that
+/// starts after the other user has removed it follows those that run already.
+fn free(usual: PathBuf, runtime: Option<PathBuf>) -> PathBuf {
+    let taken = fs::symlink_metadata(&usual).map(|m| m.uid() != uid());
+    match (taken, runtime) {
+        (Ok(true), Some(runtime)) => runtime,
+        (Err(_), Some(runtime)) if runtime.is_dir() => runtime,
+        _ => usual,
+    }
+}
+
 /// The user of this process. `/proc/self` belongs to it.
 pub fn uid() -> u32 {
     fs::metadata("/proc/self").map_or(0, |m| m.uid())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::chown;
+
+    #[test]
+    fn a_folder_that_another_user_made_is_not_waited_for() {
+        let here = tempfile::tempdir().unwrap();
+        let [usual, runtime] = ["usual", "runtime"].map(|name| here.path().join(name));
+        let chosen = || free(usual.clone(), Some(runtime.clone()));
+        assert_eq!(chosen(), usual);
+        fs::create_dir(&usual).unwrap();
+        assert_eq!(chosen(), usual);
+        if uid() != 0 || chown(&usual, Some(65_534), None).is_err() {
+            return;
+        }
+        assert_eq!(chosen(), runtime);
+        assert_eq!(free(usual.clone(), None), usual);
+        // once the other folder is gone, the first process and the next still meet
+        fs::create_dir(&runtime).unwrap();
+        fs::remove_dir(&usual).unwrap();
+        assert_eq!(chosen(), runtime);
+    }
 }
