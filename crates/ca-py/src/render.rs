@@ -18,7 +18,7 @@ use numpy::{Element, IntoPyArray as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// What was heard of a scene.
+/// The outputs of a scene.
 struct Heard<S> {
     frames: u64,
     audio: Vec<S>,

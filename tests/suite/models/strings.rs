@@ -54,7 +54,15 @@ pub fn plucked_string() {
     };
     let same = [(0.1, 0.2), (1.4, 1.5), (2.5, 3.1)].map(|(from, to)| loud(from, to));
     assert!(same.iter().all(|l| (l - same[0]).abs() < 1.0), "{same:?}");
-    let swell = loud(5.1, 5.2) - loud(3.9, 4.0);
+    // on a string at rest
+    let plucked = |depth: f64| {
+        let way = [(0.0, -4e-3), (0.1, -4e-3), (0.13, 4e-3), (0.8, 4e-3)];
+        let deep = [(0.0, depth), (0.8, depth)];
+        let h = by_hand(&h.model, &["pick.pluck"], &[("pick.key", &way), ("depth", &deep)], 0.8);
+        let held = h.probed(0, 0.0, 0.8).iter().rposition(|f| *f != 0.0).unwrap() as f64 / h.rate;
+        db(rms(h.at(0, held, held + 0.3)))
+    };
+    let swell = plucked(8e-3) - plucked(-8e-3);
     assert!((swell - 12.0).abs() < 1.0, "{swell:.2} dB");
 }
 

@@ -2,7 +2,7 @@
 //! snapshot of this scene change nothing, and none makes a tick fail.
 
 use crate::play::{audited, scene};
-use ca_core::state::NotRestored;
+use ca_core::state::{NotRestored, SNAPSHOT_VERSION};
 use ca_core::{Scene, State, tick};
 use ca_tests::{KEY, gesture, texts};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -85,8 +85,8 @@ fn what_is_no_snapshot_of_this_scene_changes_nothing() {
     refuse(&other.state().to_bytes(), NotRestored::OtherScene);
     refuse(&State::default().to_bytes(), NotRestored::OtherScene);
     let mut later = whole.clone();
-    later[8] = 2;
-    refuse(&later, NotRestored::Version(2));
+    later[8] += 1;
+    refuse(&later, NotRestored::Version(SNAPSHOT_VERSION + 1));
     for n in 8..whole.len() {
         refuse(&whole[..n], NotRestored::Damaged);
         let mut changed = whole.clone();

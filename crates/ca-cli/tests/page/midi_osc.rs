@@ -90,7 +90,7 @@ pub fn plays() {
     line.0.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let mut page = host.page();
     let scene = page.next("scene");
-    assert_eq!(scene["notes"], json!([60, 65]));
+    assert_eq!(scene["notes"], json!([60, 61, 62, 63, 64, 65]));
     // where a slider looks, if somebody else moves the port
     let seen = |name: &str| {
         let ports = scene["ports"].as_array().unwrap();

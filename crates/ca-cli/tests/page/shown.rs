@@ -1,4 +1,4 @@
-//! What the page offers: one button that plays, keys that sound, buttons that keep their size, and a magnification that is calm.
+//! The page offers one button that plays, keys that sound, buttons that keep their size, and a magnification that is calm.
 
 use crate::browser::Tab;
 use crate::host::{Host, peak, until};
@@ -82,7 +82,7 @@ pub fn one_button_plays() {
     let before = sizes(&mut tab);
     tab.js("document.getElementById('play').click()");
     until("it plays", || label(&mut tab) == "Stop");
-    assert_eq!(tab.js("document.getElementById('sound').dataset.on"), "true");
+    until("the sound is on", || tab.js("document.getElementById('sound').dataset.on") == "true");
     assert_eq!(sizes(&mut tab), before, "while it plays");
     until("it has played", || label(&mut tab) == "Play again");
     tab.js("document.getElementById('mute').click()");

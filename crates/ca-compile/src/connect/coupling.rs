@@ -1,8 +1,8 @@
 //! Coupling: a mass between a device port and its links, with a spring and a damper to the port.
 //!
-//! A device that cannot render the links of a key gets this (`ca_haptic::coupling`). The coupling is made of ordinary modules,
-//! and the rate border has no law of its own for it. So the tick, the certificate, the ledger and groups at the gesture rate treat
-//! a coupled port as any other, and the energy at the port stays exact. A scene without a coupling has no trace of it. A module
+//! A device that cannot render the links of a key gets this (`ca_haptic::coupling`). The coupling is made of ordinary modules
+//! and needs no law at the rate border. So the tick, the certificate, the ledger and groups at the gesture rate treat
+//! a coupled port as any other, and the energy at the port stays exact. A scene without a coupling pays nothing. A module
 //! that follows the position of the port, or an output of it, stays with the port: the hand is there.
 
 use crate::net::{End, LiaNode, MatNode, MatRole, Measure, Medium, NetItem, Wired};

@@ -1,4 +1,4 @@
-//! What explicit contacts were measured to make.
+//! Measured growth of energy at explicit contacts.
 //!
 //! An explicit contact makes or takes energy at each blow, depending on the phase (docs/numerics.md §3.2), so no stiffness is
 //! without growth. This module holds how often energy grew, measured by `benches/src/growth.rs` and compared by a test: a ball
@@ -6,7 +6,7 @@
 
 /// Starts that were drawn of each stiffness.
 pub const STARTS: u32 = 24;
-/// How long each was played \[s\], at 48 kHz.
+/// Length of each run \[s\], at 48 kHz.
 pub const SECONDS: u32 = 60;
 /// Energy over that at load that counts as growth.
 pub const TIMES: f64 = 1.5;

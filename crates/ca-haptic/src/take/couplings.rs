@@ -1,7 +1,6 @@
 //! Couplings of device ports as a take holds them.
 //!
-//! Decides to write down the numbers, and not what they follow from: a later version may choose them otherwise, and a take has to
-//! replay as it was played.
+//! A take holds the numbers themselves: a later version may choose other couplings, and a take has to replay as it was played.
 
 use ca_core::scene::Coupling;
 

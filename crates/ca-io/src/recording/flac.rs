@@ -1,7 +1,7 @@
 //! FLAC recordings, such as a sweep writes.
 //!
-//! Decides that full scale is 1 as of WAV files: integers of any width are divided by 2ⁿ⁻¹. What a header announces reserves no
-//! memory, and what a file unfolds to is limited: a few bytes of FLAC may stand for 65 535 equal samples.
+//! Full scale is 1, as in WAV files: integers of n bits are divided by 2ⁿ⁻¹. The header reserves no memory. The number of
+//! samples is limited, because a few bytes of FLAC may stand for 65 535 equal samples.
 
 use crate::error::{FileError, FileErrorKind, lower};
 use crate::reading::GESTURE;
@@ -101,7 +101,7 @@ mod tests {
         for _ in 0..2000 {
             let mut bad = whole.clone();
             for _ in 0..1 + next() % 4 {
-                // half of the damage in the header, which has no check of its own
+                // half of the damage in the header, whose bytes are not checked
                 let at = if next() % 2 == 0 { next() % 60 } else { next() % bad.len() };
                 bad[at] = next() as u8;
             }

@@ -24,7 +24,7 @@ impl Recording {
     /// Reads a WAV or FLAC file.
     ///
     /// # Errors
-    /// Where it cannot be read, is neither, or holds a sample without a value.
+    /// If it cannot be read, is neither, or holds a sample without a value.
     pub fn open(path: impl AsRef<Path>) -> Result<Recording, FileError> {
         let path = path.as_ref();
         let is_flac = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flac"));

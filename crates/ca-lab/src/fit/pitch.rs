@@ -1,22 +1,22 @@
-//! The pitch of the recording beside that of the model, at the start and at the end of a fit.
+//! Pitches of the recording and of the model, at the start and at the end of a fit.
 //!
-//! The pitch is one over the period after which a sound repeats best, by its autocorrelation: the lowest partial may be faint or missing.
-//! A sound that repeats badly, as a bell or noise, gives `None`.
+//! The pitch is one over the period after which a sound repeats best, by its autocorrelation. So the lowest partial may be faint or
+//! missing. A sound that repeats badly, as a bell or noise, gives `None`.
 
 use super::target::{Samples, mixed, onset};
 use ca_report::Hann;
 use realfft::RealFftPlanner;
 
-/// How long is listened, from so much after the onset on \[s\].
+/// Length of the sound that is compared, and where it begins after the onset \[s\].
 const WINDOW: f64 = 0.25;
 const AFTER: f64 = 0.02;
-/// Least sound that is listened to \[s\].
+/// Shortest sound that is compared \[s\].
 const LEAST: f64 = 0.05;
 /// Lowest pitch \[Hz\].
 const LOWEST: f64 = 25.0;
-/// A sound repeats where its autocorrelation is so much of its power …
+/// Least autocorrelation of a sound that repeats, over its power …
 const CLEAR: f64 = 0.5;
-/// … and as well as anywhere where it is no less than this below its best.
+/// … and how far below the best one another period counts as equal.
 const AS_WELL: f64 = 0.1;
 /// A semitone, and what a pitch of a short sound may be off \[cents\].
 const SEMITONE: f64 = 105.0;
@@ -64,7 +64,7 @@ impl Period {
         Some(Period { rate, f: rate / lag, clear: m, correlation })
     }
 
-    /// Whether it repeats about as well at another pitch, or a semitone from there.
+    /// True if it repeats about as well within a semitone of `f`.
     fn repeats(&self, f: f64) -> bool {
         let semitone = libm::exp2(SEMITONE / 1200.0);
         let from = (self.rate / (f * semitone)) as usize;
@@ -73,7 +73,7 @@ impl Period {
         near.iter().copied().fold(0.0, f64::max) >= self.clear - 1.5 * AS_WELL
     }
 
-    /// How far another one is above this \[cents\].
+    /// The interval up to another one \[cents\].
     fn up_to(&self, other: &Period) -> f64 {
         let cents = 1200.0 * libm::log2(other.f / self.f);
         let ratio = libm::exp2(cents.abs() / 1200.0);
@@ -126,12 +126,12 @@ impl Pitch {
         }
     }
 
-    /// Whether the start is more than a semitone from the recording.
+    /// True if the start is more than a semitone from the recording.
     pub fn starts_far(&self) -> bool {
         self.from_start.abs() > SEMITONE
     }
 
-    /// Whether the model ends at another pitch than the recording.
+    /// True if the model ends at another pitch than the recording.
     pub fn ends_elsewhere(&self) -> bool {
         self.left.abs() > SAME
     }
