@@ -64,7 +64,8 @@ impl Held {
         let b = profile.body.friction;
         let later = Delays { spring: d.spring + d.frame, ..d };
         let passive = later.stiffest(b);
-        let [kept, given] = [KEPT, SURE].map(|part| profile.stiffness.map_or(part * passive, |k| k.min(part * passive)));
+        let [kept, given] =
+            [KEPT, SURE].map(|part| profile.stiffness.map_or(part * passive, |k| k.min(part * passive)));
         Held { passive, at_once: d.stiffest(b), kept, given }
     }
 }
@@ -157,7 +158,9 @@ pub struct Needed {
 pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
     let mut all = Needed::default();
     if scene.crossing.feedback {
-        setups.iter().for_each(|s| of_device(scene, s, &mut all));
+        for setup in setups {
+            of_device(scene, setup, &mut all);
+        }
     }
     all
 }
@@ -200,7 +203,8 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
         let m = HEAVIER * (tick_dt * tick_dt * (k + spring) + 2.0 * tick_dt * damper);
         let model = |v: f64| v / gain;
         let coupling = Coupling { port, k: model(spring), z: model(damper), m: model(m), felt: model(felt) };
-        let fits = m <= LIGHT * p.body.mass && [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
+        let fits =
+            m <= LIGHT * p.body.mass && [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
         if fits {
             needed.softened.push(Softened { device: setup.device.clone(), presents: k, felt, coupling });
         } else {

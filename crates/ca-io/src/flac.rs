@@ -149,12 +149,18 @@ mod tests {
             rows.chunks(channels * 777).for_each(|c| out.write(c).unwrap());
             let written = out.finish().unwrap();
             assert_eq!(written.frames, frames as u64);
-            assert!(std::fs::read(&path).unwrap() == encode(&samples, channels, 44_100.0, format).unwrap(), "{format:?}");
+            assert!(
+                std::fs::read(&path).unwrap() == encode(&samples, channels, 44_100.0, format).unwrap(),
+                "{format:?}"
+            );
             let mut read = claxon::FlacReader::open(&path).unwrap();
             let info = read.streaminfo();
             assert_eq!((info.sample_rate, info.channels, info.samples), (44_100, channels as u32, Some(frames as u64)));
             let read: Vec<i32> = read.samples().map(Result::unwrap).collect();
-            assert!(read.iter().zip(&samples).all(|(i, x)| *i == integer(f64::from(*x), full_scale(format))), "{format:?}");
+            assert!(
+                read.iter().zip(&samples).all(|(i, x)| *i == integer(f64::from(*x), full_scale(format))),
+                "{format:?}"
+            );
             assert_eq!(read.len(), samples.len());
         }
     }

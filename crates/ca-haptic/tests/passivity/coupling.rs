@@ -50,7 +50,12 @@ fn what_is_felt_is_what_the_device_holds() {
         let text = wall(k, 0.0);
         let first = scene(&text);
         let held = Held::new(&first, &p);
-        assert!((held.passive - 3000.0).abs() < 1e-6 && (held.kept - 2700.0).abs() < 1e-6 && (held.given - 1500.0).abs() < 1e-6, "{held:?}");
+        assert!(
+            (held.passive - 3000.0).abs() < 1e-6
+                && (held.kept - 2700.0).abs() < 1e-6
+                && (held.given - 1500.0).abs() < 1e-6,
+            "{held:?}"
+        );
         let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
         assert!(soft.felt <= held.given * (1.0 + 1e-9) && soft.felt > 0.7 * held.given, "{k}: {soft:?}");
         // a hand that presses slowly feels that
@@ -71,7 +76,11 @@ fn a_wall_that_no_coupling_fits_is_reported() {
     for (k, fits) in [(1e7, true), (1.2e7, false), (1e300, false)] {
         let first = scene(&wall(k, 0.0));
         let needed = needed(&first, &[setup(&first, &p)]);
-        assert_eq!((needed.softened.len(), needed.too_stiff.len()), if fits { (1, 0) } else { (0, 1) }, "{k}: {needed:?}");
+        assert_eq!(
+            (needed.softened.len(), needed.too_stiff.len()),
+            if fits { (1, 0) } else { (0, 1) },
+            "{k}: {needed:?}"
+        );
     }
 }
 

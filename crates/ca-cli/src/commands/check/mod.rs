@@ -29,8 +29,11 @@ pub fn run(args: &CheckArgs) -> Outcome {
         return once(args, &mut Vec::new());
     }
     let model = &args.source.model;
-    let mut watch = Watch::of(model)
-        .ok_or_else(|| Failure::Usage(format!("--watch: `{model}` is not a file that could change, but a bundled model or standard input; name a file")))?;
+    let mut watch = Watch::of(model).ok_or_else(|| {
+        Failure::Usage(format!(
+            "--watch: `{model}` is not a file that could change, but a bundled model or standard input; name a file"
+        ))
+    })?;
     loop {
         let mut files = Vec::new();
         let checked = once(args, &mut files);
