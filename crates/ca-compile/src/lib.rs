@@ -33,6 +33,9 @@ mod options;
 mod passes;
 mod split;
 
+/// Most degrees of freedom of a network whose modes are computed: the matrix is dense.
+pub const MOST_MODES: usize = 4000;
+
 pub use compile::{Compiled, compile, halves, measured};
 #[cfg(feature = "analysis")]
 pub use compile::{linear, linear_tick};

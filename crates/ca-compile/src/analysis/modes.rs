@@ -14,8 +14,7 @@ use ca_core::method::pefrl::explicit;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
-/// Most dofs of a network whose modes are computed: the matrix is dense.
-pub const LARGEST: usize = 4000;
+pub use crate::MOST_MODES as LARGEST;
 /// Most dofs of a network with coupled damping whose poles are computed as they are.
 pub const EXACT: usize = 400;
 /// From here on damping couples modes by more than rounding.

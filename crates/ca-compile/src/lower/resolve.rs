@@ -1,7 +1,7 @@
 //! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
 //! Links wait for all names to be known (`wire.rs`).
 
-use crate::analysis::modes;
+use crate::MOST_MODES;
 use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::port::port;
@@ -349,7 +349,7 @@ fn with_other_ways(mut p: Problem, g: &Generator, args: &Args<'_>, oversample: u
     if let Some(ticks) = (oversample + 1..=rates::FINEST).find(|ticks| fits(at(*ticks))) {
         p.help = format!("{}, or write `oversample = {ticks}` in `[rate]`", p.help);
     }
-    let few = requirements::modules(args) <= modes::LARGEST;
+    let few = requirements::modules(args) <= MOST_MODES;
     if args.dim == 1 && few && fits(Args { scheme: Scheme::Modal, ..*args }) {
         p.help.push_str(", or `method = \"modal\"` in its group or `[model]`");
     }
