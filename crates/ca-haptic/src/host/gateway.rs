@@ -4,7 +4,7 @@
 //! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only
 //! looked at for their layout and their sender here; whether they can be true is the guard's question. A device is there
 //! from its first frame and gone after a quarter of a second of silence, whatever its process does. Which server plays it is
-//! decided then ([`claim`](super::claim)).
+//! decided then (`claim.rs`).
 
 use super::claim::{Claim, News};
 use super::error::{HostError, HostErrorKind};

@@ -2,7 +2,7 @@
 //!
 //! Each user has one folder, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to other users. All names in the folder and in
 //! `/dev/shm` begin with one prefix. It has the version of our frames, the release of iceoryx2 (its layout changes with
-//! each) and the random digits of the folder ([`prefix`](super::prefix)), so two versions or two folders never touch each
+//! each) and the random digits of the folder (`prefix.rs`), so two versions or two folders never touch each
 //! other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are part of the protocol.
 
 use super::error::{HostError, HostErrorKind};
