@@ -87,6 +87,12 @@ impl Host {
         until("it ends", || self.child.try_wait().unwrap().is_some());
     }
 
+    /// Ends it as `kill -9` does.
+    pub fn kill(&mut self) {
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
+    }
+
     /// Another command in the same place; what it prints.
     pub fn ca(&self, args: &[&str]) -> String {
         let ran = command(self.dir.path()).args(args).output().unwrap();

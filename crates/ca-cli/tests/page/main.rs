@@ -231,6 +231,12 @@ mod in_real_time {
     }
 
     #[test]
+    #[cfg(target_os = "linux")]
+    fn a_killed_session_leaves_no_take() {
+        moments::a_killed_session_leaves_no_take();
+    }
+
+    #[test]
     fn it_plays_from_its_beginning() {
         shown::it_plays_from_its_beginning();
     }

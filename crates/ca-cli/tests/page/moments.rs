@@ -99,6 +99,17 @@ pub fn a_take_lasts_until_it_is_saved() {
     }
 }
 
+/// The take of a session that is killed takes no room on the disk, though none was saved.
+pub fn a_killed_session_leaves_no_take() {
+    let mut host = Host::play(BIRD, &[]);
+    let mut page = host.page();
+    until("it plays", || page.next("state")["seconds"].as_f64().unwrap() > 0.0);
+    host.kill();
+    let left = std::fs::read_dir(host.path("tmp")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+    let takes: Vec<String> = left.filter(|name| name.ends_with(".mcap")).collect();
+    assert_eq!(takes, Vec::<String>::new());
+}
+
 /// Two of them play side by side, though the control is of one; takes that are saved at once have each a name, or are refused.
 pub fn two_play_side_by_side() {
     let mut host = Host::play(BIRD, &[]);
