@@ -1,5 +1,7 @@
 //! An empty directory in which the built command is run, and what a run gives.
 
+use flac_codec::decode::FlacSampleReader;
+use flac_codec::metadata::Metadata as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -70,13 +72,15 @@ impl Desk {
         list.sort();
         list
     }
-    /// Samples of a FLAC file, full scale 1, by another decoder than the encoder's.
-    pub fn flac(&self, name: &str) -> (claxon::metadata::StreamInfo, Vec<f64>) {
-        let mut flac = claxon::FlacReader::open(self.path(name)).unwrap();
-        let info = flac.streaminfo();
-        let full = f64::from(1 << (info.bits_per_sample - 1));
-        let samples = flac.samples().map(|s| f64::from(s.unwrap()) / full).collect();
-        (info, samples)
+    /// Rate \[Hz\], channels and bits of a FLAC file, and its samples, full scale 1.
+    pub fn flac(&self, name: &str) -> ([u32; 3], Vec<f64>) {
+        let mut flac = FlacSampleReader::open(self.path(name)).unwrap();
+        let of = flac.metadata();
+        let info = [of.sample_rate(), u32::from(of.channel_count()), of.bits_per_sample()];
+        let full = f64::from(1 << (info[2] - 1));
+        let mut samples = Vec::new();
+        flac.read_to_end(&mut samples).unwrap();
+        (info, samples.into_iter().map(|s| f64::from(s) / full).collect())
     }
     /// Samples of a WAV file, full scale 1.
     pub fn wav(&self, name: &str) -> (hound::WavSpec, Vec<f64>) {

@@ -80,8 +80,7 @@ fn flac_holds_the_samples_of_wav() {
         assert_eq!(json["format"], format!("{bits}-bit FLAC"));
         render(&["-q", "-o", "a.wav", "--format", &bits.to_string()]).is(0);
         let (info, samples) = desk.flac(file);
-        assert_eq!((info.channels, info.sample_rate, info.bits_per_sample), (2, 48_000, bits));
-        assert_eq!(info.samples, Some(14_400));
+        assert_eq!((info, samples.len()), ([48_000, 2, bits], 28_800));
         assert!(samples == desk.wav("a.wav").1, "{file} {bits}");
         assert!(crate::desk::peak(&samples) > 0.1);
     }

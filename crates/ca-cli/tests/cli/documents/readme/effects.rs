@@ -210,8 +210,8 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let file =
         line.of("-o").map_or_else(|| format!("{}.wav", line.about().trim_end_matches(".ca.toml")), str::to_owned);
     let (rate, channels, sound) = if Path::new(&file).extension().is_some_and(|e| e == "flac") {
-        let (info, sound) = desk.flac(&file);
-        (info.sample_rate, info.channels as usize, sound)
+        let ([rate, channels, _], sound) = desk.flac(&file);
+        (rate, channels as usize, sound)
     } else {
         let (spec, sound) = desk.wav(&file);
         (spec.sample_rate, usize::from(spec.channels), sound)
