@@ -12,6 +12,7 @@
 #![allow(clippy::needless_pass_by_value)]
 
 mod batch;
+mod command;
 mod error;
 mod fit;
 mod gesture;
@@ -30,6 +31,8 @@ mod wait;
 mod _core {
     #[pymodule_export]
     use crate::batch::play;
+    #[pymodule_export]
+    use crate::command::command;
     #[pymodule_export]
     use crate::gesture::Gesture;
     #[pymodule_export]

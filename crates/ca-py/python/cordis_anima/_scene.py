@@ -331,7 +331,7 @@ class Scene(Measured, Derivatives):
 
         Args:
             args: more for the program, as on the command line, e.g. ``"--log", "take.mcap"`` or ``"--audio", "page"``.
-            ca: the program; without, that in the environment variable ``CA``, or ``ca`` on the path.
+            ca: another program ``ca``; without, the one in the environment variable ``CA``, or the one of this package.
 
         Raises:
             UsageError: there is no such program.

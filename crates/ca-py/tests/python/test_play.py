@@ -56,7 +56,7 @@ def test_it_ends_when_nothing_refers_to_it_and_with_the_interpreter():
 def test_what_does_not_play_says_why():
     with pytest.raises(ca.FailedError, match="--organ"):
         ca.parse(BAR).play("--organ")
-    with pytest.raises(ca.UsageError, match="`ca=`.*cargo install"):
+    with pytest.raises(ca.UsageError, match="`ca=`.*python -m cordis_anima"):
         ca.parse(BAR).play(ca="/nowhere/ca")
     with pytest.raises(ca.UsageError, match="Scene.play"):
         ca.Playing()
@@ -66,10 +66,11 @@ def test_the_program_is_found(monkeypatch):
     monkeypatch.setenv("CA", "/nowhere/ca")
     with pytest.raises(ca.UsageError, match="environment variable CA"):
         ca.parse(BAR).play()
+    # without it, the command of the package plays
     monkeypatch.delenv("CA")
-    monkeypatch.setenv("PATH", "/nowhere")
-    with pytest.raises(ca.UsageError, match=r"`ca` is not found \(PATH\)"):
-        ca.parse(BAR).play()
+    with ca.parse(BAR).play("--audio", "page") as playing, urllib.request.urlopen(playing.url) as page:
+        assert playing._process.args[:3] == [sys.executable, "-m", "cordis_anima"]
+        assert b"<title>" in page.read()
 
 
 def test_a_film_is_of_what_was_played(tmp_path):

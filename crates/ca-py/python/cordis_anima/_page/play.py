@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 import weakref
@@ -20,16 +21,16 @@ _PATIENCE = 60.0
 _ADDRESS = re.compile(r"play it at (http://127\.0\.0\.1:\d+/[0-9a-f]+/)")
 
 
-def _program(given: str | os.PathLike[str] | None) -> str:
-    """Where the program ``ca`` is."""
-    wanted = os.fspath(given) if given is not None else os.environ.get("CA", "ca")
+def _program(given: str | os.PathLike[str] | None) -> list[str]:
+    """The program ``ca``: the one that is given, or the one of this package."""
+    wanted = os.fspath(given) if given is not None else os.environ.get("CA")
+    if wanted is None:
+        return [sys.executable, "-m", "cordis_anima"]
     found = shutil.which(wanted)
     if found is None:
-        where = "`ca=`" if given is not None else "the environment variable CA" if "CA" in os.environ else "PATH"
-        raise UsageError(
-            f"the program `{wanted}` is not found ({where}): `cargo install --path crates/ca-cli` installs it, or say where it is by `ca=`"
-        )
-    return found
+        where = "`ca=`" if given is not None else "the environment variable CA"
+        raise UsageError(f"the program `{wanted}` is not found ({where}); without it, `python -m cordis_anima` plays")
+    return [found]
 
 
 def _end(process: subprocess.Popen[str], folder: tempfile.TemporaryDirectory[str]) -> None:
@@ -72,7 +73,7 @@ class Playing:
             file.write(text)
         # one that ends with this process, however that ends, since nobody reads what it says any more
         process = subprocess.Popen(
-            [_program(program), "play", path, "--no-open", "--framed", *args],
+            [*_program(program), "play", path, "--no-open", "--framed", *args],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,

@@ -1,0 +1,110 @@
+//! The command `ca` as a library: models in text to sound, findings and pages.
+//!
+//! Every command shares its exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded, 130 interrupted). Results go to stdout,
+//! everything about them to stderr, and a reader of stdout that goes away is not a failure. A command is a file or folder of
+//! `commands/` whose `run` returns an outcome.
+#![forbid(unsafe_code)]
+
+mod args;
+mod commands;
+mod load;
+mod outcome;
+mod page;
+mod store;
+mod term;
+mod watch;
+
+use args::{Cli, Command};
+use clap::FromArgMatches as _;
+use outcome::{Ended, Failure, Outcome};
+use std::ffi::OsString;
+use std::io::Write as _;
+
+/// Runs the command with these arguments, of which the first is its name, and returns its exit code. Results go to stdout,
+/// messages to stderr. A shell that completes a line asks by the variable `COMPLETE` and gets only its answer.
+pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
+    let args: Vec<OsString> = args.into_iter().collect();
+    let here = std::env::current_dir().ok();
+    let completion = clap_complete::CompleteEnv::with_factory(args::command);
+    match completion.try_complete(args.iter().cloned(), here.as_deref()) {
+        Ok(true) => return 0,
+        Ok(false) => {}
+        Err(e) => {
+            let _ = e.print();
+            return 2;
+        }
+    }
+    let read = args::command().try_get_matches_from(args).and_then(|m| {
+        term::explaining(!args::is_terse(&m));
+        Cli::from_arg_matches(&m)
+    });
+    let cli = match read {
+        Ok(cli) => cli,
+        Err(e) => {
+            let _ = e.print();
+            return if e.use_stderr() { 2 } else { 0 };
+        }
+    };
+    let ended = vectors().and_then(|()| command(&cli.command));
+    // a program that is not in Rust ends without this
+    let _ = std::io::stdout().flush();
+    match ended {
+        Ok(Ended::Well) | Err(Failure::BrokenPipe) => 0,
+        Ok(Ended::Degraded) => 3,
+        Err(Failure::Reported) => 1,
+        Err(Failure::Interrupted(what)) => {
+            term::note(&what);
+            130
+        }
+        Err(Failure::Failed(what)) => {
+            term::error(&what);
+            1
+        }
+        Err(Failure::Usage(what)) => {
+            term::error(&what);
+            2
+        }
+    }
+}
+
+/// Refuses other values of `CA_VECTORS`: a test with a misspelt one would compare a processor with itself.
+fn vectors() -> Result<(), Failure> {
+    match std::env::var_os("CA_VECTORS") {
+        Some(asked) if asked != "portable" && asked != "avx2" => {
+            Err(Failure::Usage(format!("CA_VECTORS: `{}` is neither `portable` nor `avx2`", asked.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn command(command: &Command) -> Outcome {
+    match command {
+        Command::Render(a) => commands::render::run(a),
+        Command::Check(a) => commands::check::run(a),
+        Command::Modes(a) => commands::modes::run(a),
+        Command::Accuracy(a) => commands::accuracy::run(a),
+        Command::Bench(a) => commands::bench::run(a),
+        Command::Sweep(a) => commands::sweep::run(a),
+        Command::Tune(a) => commands::tune::run(a),
+        Command::Fit(a) => commands::fit::run(a),
+        Command::Report(a) => commands::report::run(a),
+        Command::Equiv(a) => commands::equiv::run(a),
+        Command::List(a) => commands::list::run(a),
+        Command::Explain(a) => commands::explain::run(a),
+        Command::New(a) => commands::new::run(a),
+        Command::Import(a) => commands::import::run(a),
+        Command::Play(a) => commands::play::run(a),
+        Command::Serve(a) => commands::serve::run(a),
+        Command::Set(a) => commands::control::set(a),
+        Command::Audio(a) => commands::control::audio(a),
+        Command::Arm(a) => commands::control::arm(a),
+        Command::Disarm(a) => commands::control::disarm(a),
+        Command::Status(a) => commands::control::status(a),
+        Command::Stop(a) => commands::control::stop(a),
+        Command::Replay(a) => commands::replay::run(a),
+        Command::Log(a) => commands::log::run(a),
+        Command::Device(a) => commands::device::run(a),
+        Command::Shm(a) => commands::shm::run(a),
+        Command::Completions(a) => commands::completions::run(a),
+    }
+}
