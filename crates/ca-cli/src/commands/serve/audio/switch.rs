@@ -6,10 +6,9 @@
 
 use super::super::frontend::Desk;
 use super::super::inputs::Inputs;
-use super::super::inputs::events::EventReader;
-use super::{Opened, OutputOptions, Playing};
 use crate::args::{ClockKind, ServeArgs};
 use crate::outcome::Failure;
+use ca_audio::{AudioError, AudioRequest, EventReader, Opened, Playing};
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::Recorder;
@@ -42,12 +41,12 @@ enum Why {
 struct Opening {
     name: String,
     why: Why,
-    opened: Receiver<Result<Opened, Failure>>,
+    opened: Receiver<Result<Opened, AudioError>>,
 }
 
 /// The output of the sound.
 pub(in super::super) struct Switch {
-    wants: OutputOptions,
+    wants: AudioRequest,
     /// there is a page that can play
     page: bool,
     /// something can be chosen
@@ -76,7 +75,7 @@ impl Switch {
         page: bool,
         request: RtRequest,
     ) -> Result<(Switch, Option<Outlet>), Failure> {
-        let wants = OutputOptions::new(args, scene, page, request);
+        let wants = super::request(args, scene, page, request);
         let found = super::open(args, &wants, page)?;
         let (mut follow, mut playing) = (None, None);
         let now = match found {
@@ -121,7 +120,7 @@ impl Switch {
 
     /// From now on it asks.
     pub(in super::super) fn start(&mut self) -> Result<(), Failure> {
-        self.playing.as_mut().map_or(Ok(()), Playing::start)
+        Ok(self.playing.as_mut().map_or(Ok(()), Playing::start)?)
     }
 
     /// The host of the output, if it is not the page.
@@ -137,7 +136,9 @@ impl Switch {
         mut desk: Option<&mut dyn Desk>,
     ) {
         if let Some(playing) = &self.playing {
-            playing.turn(recorder);
+            for text in playing.complaints() {
+                recorder.say(true, format!("{}: {text}", playing.name()));
+            }
         }
         if !self.open {
             return;
@@ -184,7 +185,7 @@ impl Switch {
         let (tell, opened) = channel();
         let (wants, of) = (self.wants.clone(), name.to_owned());
         let thread = std::thread::Builder::new().name("ca opens sound".into()).spawn(move || {
-            let playing = super::opened(&of, &wants).and_then(|mut o| o.0.start().map(|()| o));
+            let playing = ca_audio::open(&of, &wants).and_then(|mut o| o.0.start().map(|()| o));
             let _ = tell.send(playing);
         });
         self.opening = thread.is_ok().then(|| Opening { name: name.into(), why, opened });
@@ -193,7 +194,7 @@ impl Switch {
     /// Looks if the device is gone.
     fn look(&mut self, recorder: &mut Recorder) {
         let Some(playing) = &self.playing else { return };
-        if playing.counts.alive.load(Relaxed) {
+        if playing.counts().alive.load(Relaxed) {
             (self.heard, self.lost) = (Some(Instant::now()), false);
             return;
         }
@@ -205,7 +206,7 @@ impl Switch {
             } else {
                 "; another device plays, if there is one"
             };
-            recorder.say(true, format!("sound: {} is gone{others}, until it is back", playing.name));
+            recorder.say(true, format!("sound: {} is gone{others}, until it is back", playing.name()));
             if self.opening.is_none() {
                 self.instead = super::servers(false).into_iter().filter(|n| *n != self.now).collect();
             }
@@ -217,7 +218,7 @@ impl Switch {
         let Some(opening) = &self.opening else { return };
         let opened = match opening.opened.try_recv() {
             Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => Err(Failure::Failed("no thread opens it".into())),
+            Err(TryRecvError::Disconnected) => Err(AudioError::Failed("no thread opens it".into())),
             Ok(opened) => opened,
         };
         let Some(Opening { name, why, .. }) = self.opening.take() else { return };
@@ -241,7 +242,8 @@ impl Switch {
                     recorder.say(false, format!("sound: {back}{device}, {ms:.1} ms after the model"));
                 }
             }
-            Err(Failure::Usage(text) | Failure::Failed(text)) if why == Why::Asked => {
+            Err(e) if why == Why::Asked => {
+                let text = format!("{name}: {e}");
                 recorder.say(true, format!("sound: {text}"));
                 recorder.outputs().refused = Some(text);
             }

@@ -4,7 +4,6 @@
 //! take has all of it. A port moves by MIDI as its `midi` says; a controller that no port listens to can be bound to a live
 //! parameter while it plays ([`Inputs::learn`]), and what moves nothing is told once.
 
-pub(super) mod events;
 mod midi;
 mod osc;
 mod token;
@@ -12,13 +11,13 @@ mod token;
 use super::devices;
 use crate::args::ServeArgs;
 use crate::outcome::Failure;
+use ca_audio::EventReader;
 use ca_core::Scene;
 use ca_haptic::engine::LONGEST;
 use ca_haptic::serve::Recorder;
 use ca_io::gesture::{Glide, Motion};
 use ca_io::live_midi::{Cable, LiveMidi, Played};
 use ca_lab::gesture::port_maps;
-use events::EventReader;
 use midi::Cables;
 use osc::Osc;
 use std::collections::{BTreeMap, BTreeSet};

@@ -15,13 +15,13 @@ const WAITING: usize = 4096;
 const QUIET: Duration = Duration::from_secs(1);
 
 /// The end of the callback.
-pub(crate) struct EventWriter {
+pub struct EventWriter {
     bytes: Producer<u8>,
     lost: Arc<AtomicU64>,
 }
 
 /// The end of whoever plays.
-pub(crate) struct EventReader {
+pub struct EventReader {
     name: String,
     bytes: Consumer<u8>,
     cable: Cable,
@@ -30,7 +30,7 @@ pub(crate) struct EventReader {
 }
 
 /// Both ends of a port of this name.
-pub(crate) fn ring(name: String) -> (EventWriter, EventReader) {
+pub fn ring(name: String) -> (EventWriter, EventReader) {
     let (writer, bytes) = RingBuffer::new(WAITING);
     let lost = Arc::new(AtomicU64::new(0));
     let reader = EventReader { name, bytes, cable: Cable::default(), lost: lost.clone(), told: (0, None) };
@@ -39,7 +39,7 @@ pub(crate) fn ring(name: String) -> (EventWriter, EventReader) {
 
 impl EventWriter {
     /// One event, with its status.
-    pub(crate) fn push(&mut self, event: &[u8]) {
+    pub fn push(&mut self, event: &[u8]) {
         let of_channel = event.first().is_some_and(|status| (0x80..0xf0).contains(status));
         if of_channel && self.bytes.push_entire_slice(event).is_err() {
             self.lost.fetch_add(1, Relaxed);
@@ -48,19 +48,19 @@ impl EventWriter {
 }
 
 impl EventReader {
-    pub(super) fn name(&self) -> &str {
+    pub fn name(&self) -> &str {
         &self.name
     }
 
     /// What came since the last turn.
-    pub(super) fn turn(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
+    pub fn turn(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
         let mut piece = [0; WAITING];
         let (came, _) = self.bytes.pop_partial_slice(&mut piece);
         feed(&mut self.cable, came);
     }
 
     /// What people should know since the last call: what was lost, in words.
-    pub(super) fn news(&mut self) -> Option<String> {
+    pub fn news(&mut self) -> Option<String> {
         let (before, at) = self.told;
         let lost = self.lost.load(Relaxed);
         if lost == before || at.is_some_and(|at| at.elapsed() < QUIET) {

@@ -9,7 +9,7 @@
 mod line;
 
 use super::{Output, Playing};
-use crate::outcome::Failure;
+use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
 use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
@@ -54,28 +54,28 @@ struct Stream {
     latency: PlaybackLatency,
 }
 
-/// Opens a stream that plays a scene: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the
+/// Opens a stream that plays a scene: [`AudioError::Failed`] where no server answers, [`AudioError::Unfit`] where it does not play the
 /// scene as it is.
 pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
     request: RtRequest,
-) -> std::result::Result<(Playing, Follow, Watch), Failure> {
+) -> std::result::Result<(Playing, Follow, Watch), AudioError> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or name it in PULSE_SERVER";
-        Failure::Failed(format!("--audio pulse: no PulseAudio server answers{why}; {how}"))
+        AudioError::Failed(format!("no PulseAudio server answers{why}; {how}"))
     };
     let opened = within(PATIENCE, || Line::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
-    let refused = |e: Error| Failure::Usage(format!("{NAME} does not play this: {e}"));
+    let refused = |e: Error| AudioError::Unfit(format!("{NAME} does not play this: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
-        return Err(Failure::Usage(format!("{NAME} has no device to play on")));
+        return Err(AudioError::Unfit(format!("{NAME} has no device to play on")));
     };
     let wide = channels(&sink, scene)?;
     let hz = scene.rate;
     if hz.fract() != 0.0 || hz > f64::from(protocol::sample_spec::MAX_RATE) {
-        return Err(Failure::Usage(format!("{NAME} plays at no rate of {hz} Hz")));
+        return Err(AudioError::Unfit(format!("{NAME} plays at no rate of {hz} Hz")));
     }
     let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
     let made = within(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
@@ -83,7 +83,7 @@ pub(super) fn open(
     let Stream { line, made, sink, latency } = made.map_err(refused)?;
     let plays = sink.sample_spec.sample_rate;
     if f64::from(plays) != hz {
-        return Err(Failure::Usage(format!("{NAME} plays at {plays} Hz, not at {hz}; say `--rate {plays}Hz`")));
+        return Err(AudioError::Unfit(format!("{NAME} plays at {plays} Hz, not at {hz}; say `--rate {plays}Hz`")));
     }
 
     let frame = 4 * wide as u32;
@@ -102,7 +102,7 @@ pub(super) fn open(
 }
 
 /// Whether a server answers.
-#[cfg(feature = "audio")]
+#[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
     within(PATIENCE, || Line::open(PATIENCE).is_ok()) == Some(true)
 }
@@ -118,11 +118,11 @@ fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send 
 }
 
 /// How many channels the sink is given: one is heard on both sides.
-fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, Failure> {
+fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioError> {
     let most = usize::from(sink.channel_map.num_channels());
     if scene.channels > most {
         let n = scene.channels;
-        return Err(Failure::Usage(format!("{NAME} plays {most} channels, and the model has {n} outputs; join some")));
+        return Err(AudioError::Unfit(format!("{NAME} plays {most} channels, and the model has {n} outputs; join some")));
     }
     Ok(if scene.channels == 1 { most.min(2) } else { scene.channels })
 }

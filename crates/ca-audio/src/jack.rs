@@ -5,9 +5,9 @@
 //! neither allocates nor locks. MIDI comes by a port beside those of sound, which is connected to nothing by itself: what stands behind
 //! a server may be a device that is read without it, too.
 
-use super::super::inputs::events::{EventReader, EventWriter, ring};
+use crate::events::{EventReader, EventWriter, ring};
 use super::{Output as Any, Playing};
-use crate::outcome::Failure;
+use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
@@ -33,28 +33,28 @@ pub(super) struct Output {
     words: Sender<String>,
 }
 
-/// Opens a client: [`Failure::Failed`] where no server answers, [`Failure::Usage`] where it does not play the scene as it is.
+/// Opens a client: [`AudioError::Failed`] where no server answers, [`AudioError::Unfit`] where it does not play the scene as it is.
 /// It takes MIDI where `midi` says so.
-pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), Failure> {
+pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), AudioError> {
     let none = |_| {
         let how =
             "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
-        Failure::Failed(format!("--audio jack: {how}"))
+        AudioError::Failed(format!("JACK: {how}"))
     };
     let (client, _) = Client::new("ca", ClientOptions::NO_START_SERVER).map_err(none)?;
     let (rate, frames) = (client.sample_rate() as u32, client.buffer_size());
     if f64::from(rate) != scene.rate {
         let why = format!("JACK plays at {rate} Hz, not at {}; say `--rate {rate}Hz`", scene.rate);
-        return Err(Failure::Usage(why));
+        return Err(AudioError::Unfit(why));
     }
     if let Some(n) = buffer.filter(|n| *n != frames) {
         let why =
             format!("JACK is asked in buffers of {frames} frames, not {n}; its server decides that (jackd -p {n})");
-        return Err(Failure::Usage(why));
+        return Err(AudioError::Unfit(why));
     }
     // one channel is heard on both sides
     let wide = if scene.channels == 1 { 2 } else { scene.channels };
-    let failed = |e: jack::Error| Failure::Failed(format!("--audio jack: {e}"));
+    let failed = |e: jack::Error| AudioError::Failed(format!("JACK: {e}"));
     let ports: Vec<Port<AudioOut>> = (0..wide)
         .map(|k| client.register_port(&format!("out_{k}"), AudioOut))
         .collect::<Result<_, _>>()

@@ -5,8 +5,7 @@
 //! complains of is reported by the recorder.
 
 use super::{Output as Any, Playing};
-use crate::load;
-use crate::outcome::Failure;
+use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::audio::{Follow, PlaybackDevice, Watch, link};
@@ -20,7 +19,7 @@ use std::sync::mpsc::channel;
 /// Frames a device is given at once where nobody says and it has a choice.
 const BUFFER: u32 = 256;
 /// Opens what was asked for.
-pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), Failure> {
+pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), AudioError> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, buffer)?;
@@ -34,7 +33,7 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
     let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, buffer);
     let (tell, words) = channel();
     let (counts, called, xruns) = (watch.counts.clone(), watch.counts.clone(), watch.counts.clone());
-    let failed = |e: cpal::Error| Failure::Failed(format!("`{name}` cannot be played: {e}"));
+    let failed = |e: cpal::Error| AudioError::Failed(format!("`{name}` cannot be played: {e}"));
     let stream = device
         .build_output_stream::<f32, _, _>(
             config,
@@ -71,23 +70,23 @@ impl Output {
 }
 
 /// A host by name, a device by name or id; the default device of the default host where nothing is said.
-fn find(wanted: &str) -> Result<(HostId, Device), Failure> {
+fn find(wanted: &str) -> Result<(HostId, Device), AudioError> {
     if wanted.is_empty() {
         let host = cpal::default_host();
-        let none = || Failure::Failed(format!("no sound device here; {}", there_is()));
+        let none = || AudioError::Failed(format!("no sound device here; {}", there_is()));
         let device = host.default_output_device().filter(cpal::traits::DeviceTrait::supports_output);
         return Ok((host.id(), device.ok_or_else(none)?));
     }
     if let Ok(id) = wanted.parse::<HostId>() {
-        let host = cpal::host_from_id(id).map_err(|e| Failure::Failed(format!("--audio {wanted}: {e}")))?;
-        let none = || Failure::Failed(format!("--audio {wanted}: it has no device that plays"));
+        let host = cpal::host_from_id(id).map_err(|e| AudioError::Failed(format!("`{wanted}`: {e}")))?;
+        let none = || AudioError::Failed(format!("`{wanted}` has no device that plays"));
         return Ok((id, host.default_output_device().ok_or_else(none)?));
     }
     let is = |d: &Device| {
         let id = d.id().ok();
         d.to_string() == wanted || id.is_some_and(|i| i.id() == wanted || i.to_string() == wanted)
     };
-    let none = || Failure::Failed(format!("no sound device `{wanted}`; {}", there_is()));
+    let none = || AudioError::Failed(format!("no sound device `{wanted}`; {}", there_is()));
     all().into_iter().find(|(_, d)| is(d)).ok_or_else(none)
 }
 
@@ -113,12 +112,13 @@ fn there_is() -> String {
     if names.is_empty() {
         return "there is none; a JACK or a PulseAudio server is one, `--audio jack` or `--audio pulse`".into();
     }
-    format!("there is {}", load::ticked(names.iter().map(String::as_str)))
+    let ticked: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    format!("there is {}", ticked.join(", "))
 }
 
 /// How a device plays a scene as it is, and how many frames it asks for at once.
-fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamConfig, u32), Failure> {
-    let refused = |why: String| Failure::Failed(format!("`{device}` {why}"));
+fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamConfig, u32), AudioError> {
+    let refused = |why: String| AudioError::Failed(format!("`{device}` {why}"));
     let configs: Vec<_> = device
         .supported_output_configs()
         .map_err(|e| refused(format!("does not say what it plays: {e}")))?

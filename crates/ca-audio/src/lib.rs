@@ -1,0 +1,222 @@
+//! Sound of a scene that plays in real time: a JACK server ([`jack`]), a PulseAudio server ([`pulse`]), or a sound device of the
+//! system (`device`, feature `devices`).
+//!
+//! Neither server needs anything when this is built: libjack is loaded at run time, and PulseAudio is spoken to by its socket. A
+//! machine without them runs the same program. The clock of the engine follows what plays ([`ca_haptic::serve::audio`]). A scene
+//! is never converted to another rate.
+
+#[cfg(feature = "devices")]
+mod device;
+mod events;
+mod jack;
+mod pulse;
+
+use ca_core::Scene;
+use ca_haptic::rt::RtRequest;
+use ca_haptic::serve::audio::{Counts, Follow, Watch};
+pub use events::EventReader;
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+/// Name of the JACK server.
+pub const JACK: &str = "jack";
+/// Name of the PulseAudio server.
+pub const PULSE: &str = "pulse";
+/// Name of the default sound device.
+pub const DEFAULT: &str = "default";
+
+/// Longest wait for the ring of the engine at the end, besides the time that it plays.
+const LATE: Duration = Duration::from_millis(200);
+/// Longest wait for a server.
+const FAR: Duration = Duration::from_secs(1);
+
+/// An output that cannot be opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum AudioError {
+    /// it does not play the scene as it is: another rate, too few channels
+    Unfit(String),
+    /// it is absent, or does not work
+    Failed(String),
+}
+
+impl fmt::Display for AudioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (AudioError::Unfit(why) | AudioError::Failed(why)) = self;
+        f.write_str(why)
+    }
+}
+
+impl std::error::Error for AudioError {}
+
+/// Arguments of every output.
+#[derive(Clone)]
+pub struct AudioRequest {
+    /// gives the rate \[Hz\] and the channels
+    pub scene: Arc<Scene>,
+    /// frames at once; the output chooses if there is none
+    pub buffer: Option<u32>,
+    /// opens a port for MIDI too, if the output has some
+    pub midi: bool,
+    /// priority of the thread of a PulseAudio stream
+    pub thread: RtRequest,
+}
+
+/// An output that plays.
+pub struct Playing {
+    output: Output,
+    counts: Arc<Counts>,
+    words: Receiver<String>,
+    name: String,
+    host: &'static str,
+    events: Option<EventReader>,
+}
+
+enum Output {
+    Jack(Box<jack::Output>),
+    Pulse(pulse::PulseStream),
+    #[cfg(feature = "devices")]
+    Device(device::Output),
+}
+
+/// An output that plays, with the end of the engine and the end of the recorder.
+pub type Opened = (Playing, Follow, Watch);
+
+/// Opens an output by name: [`JACK`], [`PULSE`], [`DEFAULT`], or a device of [`names`].
+///
+/// # Errors
+/// If it is absent, or does not play the scene as it is.
+pub fn open(name: &str, wants: &AudioRequest) -> Result<Opened, AudioError> {
+    match name {
+        JACK => jack::open(&wants.scene, wants.buffer, wants.midi),
+        PULSE => pulse::open(&wants.scene, wants.buffer, wants.thread),
+        DEFAULT => device("", wants),
+        other => device(other, wants),
+    }
+}
+
+/// Opens the first server that runs, with its name. `unfit` gets the reasons of servers that run and do not play the scene.
+pub fn first(wants: &AudioRequest, mut unfit: impl FnMut(String)) -> Option<(&'static str, Opened)> {
+    [JACK, PULSE].into_iter().find_map(|name| match open(name, wants) {
+        Ok(opened) => Some((name, opened)),
+        Err(AudioError::Unfit(why)) => {
+            unfit(why);
+            None
+        }
+        Err(AudioError::Failed(_)) => None,
+    })
+}
+
+/// Names of outputs that need no look at the machine.
+pub fn servers() -> impl Iterator<Item = &'static str> {
+    [JACK, PULSE].into_iter().chain(cfg!(feature = "devices").then_some(DEFAULT))
+}
+
+/// Names of all outputs. It may take seconds; a build without devices has [`servers`] alone.
+pub fn names() -> Vec<String> {
+    #[cfg(feature = "devices")]
+    let devices = device::names();
+    #[cfg(not(feature = "devices"))]
+    let devices = Vec::new();
+    servers().map(Into::into).chain(devices).collect()
+}
+
+#[cfg(feature = "devices")]
+fn device(wanted: &str, wants: &AudioRequest) -> Result<Opened, AudioError> {
+    device::open(wanted, wants.buffer, &wants.scene)
+}
+
+#[cfg(not(feature = "devices"))]
+fn device(_: &str, _: &AudioRequest) -> Result<Opened, AudioError> {
+    Err(AudioError::Failed(
+        "this `ca` plays by a JACK or a PulseAudio server (`--audio jack`, `--audio pulse`), and is built \
+         without other sound devices; `cargo install --path crates/ca-cli --features audio` builds one with them (on \
+         Linux with the headers of ALSA: libasound2-dev)"
+            .into(),
+    ))
+}
+
+impl Playing {
+    /// True if it reports that it will ask for nothing more.
+    pub fn is_over(&self) -> bool {
+        matches!(&self.output, Output::Pulse(pulse) if pulse.is_over())
+    }
+
+    /// Closes it. A `lost` server gets no answer to wait for.
+    pub fn close(self, lost: bool) {
+        match self.output {
+            Output::Jack(output) if lost => output.leave(),
+            other => drop(other),
+        }
+    }
+
+    /// Begins to ask for sound.
+    ///
+    /// # Errors
+    /// If it does not start.
+    pub fn start(&mut self) -> Result<(), AudioError> {
+        let started = match &mut self.output {
+            Output::Jack(output) => output.start().map_err(|e| e.to_string()),
+            // it counts time from its first word on
+            Output::Pulse(_) => Ok(()),
+            #[cfg(feature = "devices")]
+            Output::Device(output) => output.start().map_err(|e| e.to_string()),
+        };
+        started.map_err(|e| AudioError::Failed(format!("`{}` does not start: {e}", self.name)))
+    }
+
+    /// Counts of what it asked for and got.
+    pub fn counts(&self) -> &Counts {
+        &self.counts
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The kind of server or device.
+    pub fn host(&self) -> &'static str {
+        self.host
+    }
+
+    /// The MIDI port that it brings, once.
+    pub fn events(&mut self) -> Option<EventReader> {
+        self.events.take()
+    }
+
+    /// Its complaints since the last call.
+    pub fn complaints(&self) -> impl Iterator<Item = String> {
+        self.words.try_iter()
+    }
+
+    /// Plays what the engine left in its ring, at a `rate` \[Hz\], and closes.
+    pub fn end(self, rate: f64) {
+        let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
+        let end = Instant::now() + LATE + Duration::from_secs_f64(left);
+        while !self.counts.done.load(Relaxed) && !self.is_over() && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let is_over = self.is_over();
+        match self.output {
+            // a server that is gone would be waited for without end
+            Output::Jack(output) => {
+                if !self.counts.done.load(Relaxed) {
+                    output.leave();
+                }
+            }
+            // what it has queued is heard
+            Output::Pulse(_) => {
+                // from what was given last, which is as long as what is asked for at once
+                let last = Duration::from_secs_f64(self.counts.buffer.load(Relaxed) as f64 / rate);
+                let queued = Duration::from_nanos(self.counts.delay.load(Relaxed)) + last;
+                std::thread::sleep(if is_over { Duration::ZERO } else { queued.min(FAR) });
+            }
+            #[cfg(feature = "devices")]
+            Output::Device(_) => {}
+        }
+    }
+}
