@@ -110,7 +110,7 @@ impl Switch {
             recorder.outputs().choices = super::servers(page);
             switch.says(recorder);
         }
-        Ok((switch, (page || args.audio.is_some()).then_some(outlet)))
+        Ok((switch, (open || args.audio.is_some()).then_some(outlet)))
     }
 
     /// The MIDI port of the server, once.
