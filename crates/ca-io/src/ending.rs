@@ -310,7 +310,8 @@ mod tests {
             });
             assert_eq!(whole, sent);
             let bytes = std::fs::read(&file).unwrap();
-            assert!(bytes.len() > 100 && bytes == reader.join().unwrap(), "{ending:?} {diverged}");
+            // a head of 42 bytes, and equal samples in a few more
+            assert!(bytes.len() > 42 && bytes == reader.join().unwrap(), "{ending:?} {diverged}");
         }
     }
 

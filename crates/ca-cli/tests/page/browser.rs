@@ -96,9 +96,9 @@ impl Tab {
         }
     }
 
-    /// What an expression is in the page.
+    /// The value of an expression in the page, which it has by the hand of its user: a page may turn the sound on.
     pub fn js(&mut self, expression: &str) -> Value {
-        let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
+        let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true});
         self.command("Runtime.evaluate", &asked)["result"]["value"].clone()
     }
 
