@@ -1,7 +1,7 @@
-//! MIDI that a callback of sound brings, as that of JACK does: a ring from it to whoever plays.
+//! MIDI from the callback of a sound server such as JACK: a ring to the thread that plays it.
 //!
-//! Decides that only events of channels pass, since nothing listens to others; and that one which finds no room is left out
-//! whole, and told, because a callback cannot wait. The callback neither allocates nor locks.
+//! Only events of channels pass. An event that finds the ring full is left out whole and counted, because a callback cannot wait.
+//! The callback neither allocates nor locks.
 
 use ca_io::live_midi::Cable;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 /// Bytes that may wait: more than a cable brings in a second.
 const WAITING: usize = 4096;
-/// What is lost is told once in this time.
+/// Shortest time between two reports of lost events.
 const QUIET: Duration = Duration::from_secs(1);
 
 /// The end of the callback.
@@ -20,7 +20,7 @@ pub struct EventWriter {
     lost: Arc<AtomicU64>,
 }
 
-/// The end of whoever plays.
+/// The end of the thread that plays.
 pub struct EventReader {
     name: String,
     bytes: Consumer<u8>,
@@ -48,18 +48,19 @@ impl EventWriter {
 }
 
 impl EventReader {
+    /// Name of the port.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What came since the last turn.
+    /// Passes the bytes since the last call to `feed`.
     pub fn turn(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
         let mut piece = [0; WAITING];
         let (came, _) = self.bytes.pop_partial_slice(&mut piece);
         feed(&mut self.cable, came);
     }
 
-    /// What people should know since the last call: what was lost, in words.
+    /// A report of events that were lost since the last one.
     pub fn news(&mut self) -> Option<String> {
         let (before, at) = self.told;
         let lost = self.lost.load(Relaxed);

@@ -87,7 +87,7 @@ fn midi_in(client: &Client) -> Result<((Port<MidiIn>, EventWriter), EventReader)
 }
 
 /// Whether a server answers.
-#[cfg(feature = "audio")]
+#[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
     Client::new("ca", ClientOptions::NO_START_SERVER).is_ok()
 }
