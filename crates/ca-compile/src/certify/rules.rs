@@ -194,7 +194,7 @@ pub fn hardening(
 }
 
 /// The word of the method that was written for a link.
-fn method(net: &Pruned, l: &LiaNode) -> &'static str {
+pub fn method(net: &Pruned, l: &LiaNode) -> &'static str {
     let Some(at) = l.kind.param("method") else { return "" };
     let Type::Choice(words) = l.kind.params[at].ty else { return "" };
     let value = net.values(l.item, &l.values).get(at).copied().flatten();

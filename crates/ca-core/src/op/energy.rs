@@ -257,11 +257,12 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     l.h = h;
     l.worst = l.worst.max(bare(h - before - work + lost - of_links.error).abs());
     l.heat += bare(lost).abs();
-    // what is in motion may come from a potential that is as negative
-    let all = bare(h).abs().max(bare(kinetic)) + l.heat;
-    l.peak = l.peak.max(all);
+    l.net_heat += bare(lost);
     l.made += bare(of_links.error);
-    l.received = l.received.max(all - l.made - bare(l.border));
+    // the energy of motion may come from a potential that is as negative
+    let [h, kinetic] = [bare(h), bare(kinetic)];
+    l.peak = l.peak.max(h.abs().max(kinetic) + l.heat);
+    l.received = l.received.max(h.max(kinetic) + l.net_heat - l.made - bare(l.border));
     s.near = near;
     s.ledger = Some(l);
 }

@@ -41,7 +41,8 @@ pub struct Ledger {
     pub kinetic: Outer,
     /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
     pub peak: f64,
-    /// the same less the energy made by the scheme until then: the most that load, ports, changes and weight had given
+    /// largest so far of h, or of its part in motion, + Σlost, less the energy made by the scheme until then: the most that load,
+    /// ports, changes and weight had given
     pub received: f64,
     /// heat of MATs with dampers of their own, and of the ends of waveguides
     pub lost_mats: Outer,
@@ -69,8 +70,10 @@ pub struct Ledger {
     pub worst: f64,
     /// d of the tick that the ledger is at (n_mat)
     pub(crate) d0: Vec<Real>,
-    /// heat of everything so far, kept apart so that no tick sums over all links again
+    /// magnitude of the heat of each tick so far, kept apart so that no tick sums over all links again
     pub(crate) heat: f64,
+    /// heat so far
+    pub(crate) net_heat: f64,
     /// error of the scheme so far, kept apart for the same reason
     pub(crate) made: f64,
     /// force on position and device ports, force given by force ports (ports)

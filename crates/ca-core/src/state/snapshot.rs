@@ -237,6 +237,7 @@ impl Ledger {
             worst,
             d0,
             heat,
+            net_heat,
             made,
             port,
             stored,
@@ -263,6 +264,7 @@ impl Ledger {
             changed,
             worst,
             heat,
+            net_heat,
             made,
             stored_mats,
         ]);

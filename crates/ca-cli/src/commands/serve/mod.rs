@@ -76,7 +76,8 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     load::warn(&loaded, &compiled);
     let (setups, unknown) = setup::setups(args, &compiled.scene)?;
     let met = coupling::meet(compiled, &setups, &mut options, |options| load::scene(&loaded, options));
-    let (softened, scene) = (met.said(), Arc::new(met.compiled.scene));
+    let (softened, played) = (met.said(), met.setups(&setups));
+    let scene = Arc::new(met.compiled.scene);
     let names = devices(&scene);
     if args.clock == ClockKind::Device && names.is_empty() {
         return Err(Failure::Usage("--clock device: the model has no device".into()));
@@ -85,7 +86,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         term::note("the model has no device: nobody can play it from one; `ca play` lets you touch it in the browser");
     }
     let session = ca_haptic::host::session();
-    let engine = setup::engine(scene.clone(), &setups, session);
+    let engine = setup::engine(scene.clone(), &played, session);
 
     // on a busy machine the rings must be fetched from, and people heard, all the same; threads inherit it
     let busy = RtRequest { nice: (args.priority > 0).then_some(NICE), ..RtRequest::default() };
@@ -119,7 +120,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let mut unplayed = Unplayed(None);
     let header = || {
         let changes = args.source.changes().collect();
-        Header::new(&loaded.model, changes, options.clone(), &scene, setups.clone(), engine.options())
+        Header::new(&loaded.model, changes, options.clone(), &scene, played.clone(), engine.options())
     };
     let take = match &args.log {
         Some(path) => {
@@ -197,7 +198,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         for (name, granted) in &threads {
             term::note(&format!("{name}: {granted}"));
         }
-        for s in setups.iter().filter(|s| !s.profile.is_unknown()) {
+        for s in played.iter().filter(|s| !s.profile.is_unknown()) {
             term::note(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
         }
     }
