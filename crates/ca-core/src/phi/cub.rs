@@ -52,16 +52,16 @@ impl Phi<3, 0> for Cub {
         [p[at::K].unwrap_or(0.0), p[at::K3].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, k3, z]: &[R; 3], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         (k + k3 * e * e) * e + z * w
     }
     #[inline(always)]
-    fn stored(&[k, k3, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        let quartic = |e: Real| 0.25 * k3 * e * e * e * e;
-        linear_stored(k, z, e0, e1) + 0.5 * (quartic(e0) + quartic(e1))
+    fn stored<R: Real>(&[k, k3, z]: &[R; 3], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
+        let quartic = |e: R| R::of(0.25) * k3 * e * e * e * e;
+        linear_stored(k, z, e0, e1) + R::of(0.5) * (quartic(e0) + quartic(e1))
     }
     #[inline(always)]
-    fn lost(&[_, _, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, _, z]: &[R; 3], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {

@@ -59,15 +59,15 @@ impl Phi<1, 0> for Fro {
         z * w
     }
     #[inline(always)]
-    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 1], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(real(0.0), z, e0, e1)
     }
     #[inline(always)]
-    fn lost(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[z]: &[f64; 1], _: &[Table]) -> Bound {

@@ -120,12 +120,12 @@ pub const PAIRS: Param = Param::new(
 
 /// Energy of the linear part between two ticks, with the negative mass of the backward damper (docs/numerics.md §2.1).
 #[inline(always)]
-fn linear_stored(k: Real, z: Real, e0: Real, e1: Real) -> Real {
-    0.5 * k * e0 * e1 - 0.25 * z * (e1 - e0) * (e1 - e0)
+fn linear_stored<R: Real>(k: R, z: R, e0: R, e1: R) -> R {
+    R::of(0.5) * k * e0 * e1 - R::of(0.25) * z * (e1 - e0) * (e1 - e0)
 }
 
 /// Heat of a linear damper in one tick (docs/numerics.md §2.1); `z` in N per m/tick.
 #[inline(always)]
-fn linear_lost(z: Real, e: [Real; 3]) -> Real {
-    0.25 * z * (e[2] - e[0]) * (e[2] - e[0])
+fn linear_lost<R: Real>(z: R, e: [R; 3]) -> R {
+    R::of(0.25) * z * (e[2] - e[0]) * (e[2] - e[0])
 }

@@ -69,15 +69,15 @@ impl Phi<2, 0> for Ref {
         k * e + z * w
     }
     #[inline(always)]
-    fn force(c: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 2], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[k, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[k, z]: &[R; 2], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(k, z, e0, e1)
     }
     #[inline(always)]
-    fn lost(&[_, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, z]: &[R; 2], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, z]: &[f64; 2], _: &[Table]) -> Bound {

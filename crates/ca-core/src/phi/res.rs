@@ -61,11 +61,11 @@ impl Phi<1, 0> for Res {
         k * e
     }
     #[inline(always)]
-    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 1], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[k]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(k, real(0.0), e0, e1)
     }
     fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {

@@ -16,13 +16,13 @@ pub enum Tap {
 
 /// A linear link of a fused pass whose force is heard.
 #[derive(Clone, Copy, Debug)]
-pub struct HeardLink {
+pub struct HeardLink<R: Real = f64> {
     /// its law
-    pub force: Force,
+    pub force: Force<R>,
     /// slots of its ends
     pub ends: [u32; 2],
     /// constant part of its elongation \[m\]
-    pub e0: Real,
+    pub e0: R,
     /// index of its first coefficient, and from one to the next
     pub coef: u32,
     /// see `coef`
@@ -55,9 +55,9 @@ pub struct OutputRow {
 
 /// The high pass of an output, y ← r·y + g·(v − v′).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DcBlocker {
+pub struct DcBlocker<R: Real = f64> {
     /// what stays of y each tick
-    pub r: Real,
+    pub r: R,
     /// gain
-    pub g: Real,
+    pub g: R,
 }
