@@ -17,7 +17,7 @@
 //! goes is not known yet: it goes on as it went.
 
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, real, wide};
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::{ImplicitLinks, Layout};
 use crate::state::State;

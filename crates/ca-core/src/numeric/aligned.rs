@@ -5,7 +5,7 @@
 //! could not be seen as plain numbers without unsafe code, and a crate that does so brings more than this file. What a tick
 //! computes does not depend on where an array begins.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::{Deref, DerefMut};

@@ -36,6 +36,17 @@ impl<R: Real> Table<R> {
             points.iter().enumerate().all(|(i, p)| (p[0] - (points[0][0] + i as f64 * step)).abs() < 1e-9 * step);
         let per = if even { real(1.0 / step) } else { real(0.0) };
         let [x, y] = [0, 1].map(|k| points.iter().map(|p| real(p[k])).collect::<Vec<_>>());
+        Some(Table::of(x, y, per))
+    }
+
+    /// The same table over another number; `None` where its abscissae do not rise there.
+    pub fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
+        let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| real(wide(*v))).collect());
+        let rises = x.windows(2).all(|x| x[1] > x[0]) && x.iter().chain(&y).all(|v| v.is_finite());
+        rises.then(|| Table::of(x, y, real(wide(self.per))))
+    }
+
+    fn of(x: Vec<R>, y: Vec<R>, per: R) -> Table<R> {
         let mut t = Table { area: alloc::vec![real(0.0); x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + R::of(0.5) * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
@@ -43,11 +54,10 @@ impl<R: Real> Table<R> {
         t.slopes = (0..t.x.len() - 1).map(|i| wide(t.rise(i))).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
         let zero = t.raw_integral(real(0.0));
         t.area.iter_mut().for_each(|a| *a -= zero);
-        Some(t)
+        t
     }
 
     /// Calls `visit` for each of its numbers.
-    #[cfg(not(single))]
     pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
         [&mut self.x, &mut self.y, &mut self.area].into_iter().flatten().for_each(&mut *visit);
         visit(&mut self.per);

@@ -88,7 +88,7 @@ impl<'a, R: Real> Links<'a, R> {
     #[inline(always)]
     fn memory(&self) -> &'a [R] {
         let a = self.account;
-        &self.s.mem[a.mem + self.from * a.mems..][..self.n * a.mems]
+        &self.s.mem[a.mem + self.from * a.law.mem..][..self.n * a.law.mem]
     }
 
     fn tables(&self) -> &'a [Table<R>] {
@@ -262,10 +262,10 @@ impl<R: Real> WithSimd for Enter<'_, R> {
 fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
     let mut room = [real(0.0); COEFS];
-    let c = a.coefs.min(COEFS);
+    let c = a.law.coefs.min(COEFS);
     for i in 0..links.n {
         room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
-        let mem = &links.memory()[i * a.mems..][..a.mems];
+        let mem = &links.memory()[i * a.law.mem..][..a.law.mem];
         let around = [e[0][i], e[1][i], e[2][i]];
         stored[i] = (a.energies.stored)(&room[..c], mem, links.tables(), around[1], around[2]);
         lost[i] = (a.energies.lost)(&room[..c], mem, links.tables(), around);

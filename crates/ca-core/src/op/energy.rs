@@ -158,7 +158,7 @@ struct Entry<R: Real = f64> {
 /// All pairs of a set together; its work is that of what it did to each of its members.
 fn set<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut VerletList, d0: &[R], a: &Account<R>, at: usize) -> Entry<R> {
     let (mut stored, mut heat) = (real(0.0), real(0.0));
-    let c = &s.coef[a.coef..][..a.coefs];
+    let c = &s.coef[a.coef..][..a.law.coefs];
     let (of, tables) = (a.energies, &layout.tables);
     pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
         stored += outer((of.stored)(c, &[], tables, e[1], e[2]));

@@ -350,16 +350,19 @@ pub struct LawFns<R: Real = f64> {
     pub kernel: fn(Form) -> Kernel<R>,
 }
 
+/// The functions of a law over `R`, behind its code.
+pub type LawEntry<R> = (&'static str, LawFns<R>);
+
 /// The functions of laws over `R`, by the code of the law.
 #[derive(Clone, Default)]
 pub struct Laws<R: Real> {
-    all: Vec<(&'static str, LawFns<R>)>,
+    all: Vec<LawEntry<R>>,
 }
 
 impl<R: Real> Laws<R> {
     /// Adds those of other laws.
     #[must_use]
-    pub fn with(mut self, laws: impl IntoIterator<Item = (&'static str, LawFns<R>)>) -> Laws<R> {
+    pub fn with(mut self, laws: impl IntoIterator<Item = LawEntry<R>>) -> Laws<R> {
         self.all.extend(laws);
         self
     }

@@ -4,7 +4,7 @@
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, PAIRS, Bound, Law, LawEntry, LawFns, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::numeric::{Real, Table, real};
 
@@ -51,6 +51,11 @@ crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
 
 /// The law of ATT.
 pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Att, 5, 0>())]
+}
 
 /// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
 pub struct Att;

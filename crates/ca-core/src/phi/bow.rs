@@ -11,7 +11,7 @@
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
 //! and "newton" are passive at any slope ([`crate::method`]). Test: B07.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
@@ -133,6 +133,23 @@ macro_rules! methods {
             static $newton: Law = friction::alone::<$phi, _, true>(concat!($code, " newton"), $curve, &$together);
             static $together: Law = friction::together::<$phi, _>(concat!($code, " shared"), $curve);
         )*
+
+        /// The functions of its laws over `R`.
+        pub(super) fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+            let sliding = LawFns::of::<SetValued, 3, 0>();
+            let of_curves = [
+                $(
+                    ($curve.code, LawFns::of::<$phi, _, 0>()),
+                    ($secant.code, friction::alone_fns::<R, $phi, _, false>(LawFns::of::<$phi, _, 0>())),
+                    ($newton.code, friction::alone_fns::<R, $phi, _, true>(LawFns::of::<$phi, _, 0>())),
+                    ($together.code, friction::together_fns::<R, $phi, _>(LawFns::of::<$phi, _, 0>())),
+                )*
+            ];
+            of_curves.into_iter().chain([
+                (SET_VALUED.code, coulomb::fns(sliding)),
+                (SLIDING_TOGETHER.code, friction::together_fns::<R, SetValued, _>(sliding)),
+            ])
+        }
     };
 }
 

@@ -7,7 +7,7 @@
 //! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
 //! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
+use super::{ALONG, BETWEEN, METHOD, PAIRS, Bound, ContactMethod, Law, LawEntry, LawFns, Phi, Sense};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
@@ -59,6 +59,15 @@ pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of
 });
 static STABLE: Law = gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
+
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<But, 5, 0>()),
+        (STABLE.code, gradient::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+        (STABLE3D.code, quadratised::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+    ]
+}
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
 pub struct But;

@@ -4,7 +4,7 @@
 //! the backward difference acts as a centred damper and a negative mass −zT/2 (docs/numerics.md §1.4). Test: A04, A10.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table, real};
@@ -44,6 +44,11 @@ crate::kind::positions!(KIND: Z = "z");
 
 /// The law of FRO; REF without stiffness becomes this.
 pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Fro, 1, 0>())]
+}
 
 /// F = (z/T) w
 pub struct Fro;

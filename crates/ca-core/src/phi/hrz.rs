@@ -6,7 +6,7 @@
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::P;
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
+use super::{ALONG, BETWEEN, METHOD, PAIRS, Bound, ContactMethod, Law, LawEntry, LawFns, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
@@ -62,6 +62,15 @@ pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of
 });
 static STABLE: Law = gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
+
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<Hrz, 5, 0>()),
+        (STABLE.code, gradient::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+        (STABLE3D.code, quadratised::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+    ]
+}
 
 /// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.
 pub struct Hrz;

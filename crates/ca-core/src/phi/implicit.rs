@@ -9,7 +9,7 @@
 //! motion in the tick, what is missing is (θk + z/2T) times the change of w, which [`crate::method::implicit`] solves for
 //! all such links at once.
 
-use super::{Bound, Law, Phi, linear_lost, linear_stored};
+use super::{Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
 use crate::numeric::{Real, Table};
 use crate::tuning::Method;
@@ -45,6 +45,11 @@ pub const THETA: Param = Param::number(
 
 /// The law; parameters k, z and θ in this order, whatever the kind.
 pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Implicit, 3, 0>())]
+}
 
 /// Coefficients k, z/T, θ.
 pub struct Implicit;

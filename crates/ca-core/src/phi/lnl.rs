@@ -5,7 +5,7 @@
 //! Stability: rule of thumb on the steepest segment that is reached; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
+use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, ParamBinding, Phi};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
 use crate::numeric::{NONE, Real, Table, real, wide};
@@ -65,6 +65,15 @@ pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[at::SPRING], p
 pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
+
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<Lnl, 3, 0>()),
+        (SPRING.code, LawFns::of::<TableSpring, 1, 0>()),
+        (FRICTION.code, LawFns::of::<TableFriction, 2, 0>()),
+    ]
+}
 
 /// F = table(e)
 pub struct TableSpring;

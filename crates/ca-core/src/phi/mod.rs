@@ -4,7 +4,7 @@
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 use crate::law::{Bound, Phi};
 use crate::numeric::Real;
-use crate::op::{Law, ParamBinding};
+use crate::op::{Law, LawEntry, LawFns, Laws, ParamBinding};
 
 pub mod att;
 pub mod bow;
@@ -19,20 +19,21 @@ pub mod pow;
 pub mod ref_;
 pub mod res;
 
-/// All LIA kinds, in the order of the documentation. To add a law: one file, its `mod` above and a line here.
-pub const KINDS: &[&Kind] = &[
-    &res::KIND,
-    &fro::KIND,
-    &ref_::KIND,
-    &but::KIND,
-    &cub::KIND,
-    &pow::KIND,
-    &hrz::KIND,
-    &lnl::KIND,
-    &plk::KIND,
-    &att::KIND,
-    &bow::KIND,
-];
+/// The list of files that have a kind and a law, in the order of the documentation.
+macro_rules! files {
+    ($($file:ident)*) => {
+        /// All LIA kinds.
+        pub const KINDS: &[&Kind] = &[$(&$file::KIND),*];
+
+        /// The functions of all laws over `R`, for [`Scene::bind`](crate::Scene::bind).
+        pub fn laws<R: Real>() -> Laws<R> {
+            Laws::default()$(.with($file::laws()))*.with(implicit::laws())
+        }
+    };
+}
+
+// To add a law: one file, its `mod` above and its name here.
+files! { res fro ref_ but cub pow hrz lnl plk att bow }
 
 pub use ref_::KIND as REF;
 

@@ -5,7 +5,7 @@
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
 //! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, PAIRS, Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{NONE, Real, Table, real};
 
@@ -76,6 +76,11 @@ crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED 
 
 /// The law of PLK.
 pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK");
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Plk, 5, 3>())]
+}
 
 /// Coefficients k, z/T, d, sign of the side, 1 where it holds at load; memory: 1 while engaged, the last elongation, energy given up at the last tick.
 pub struct Plk;

@@ -4,7 +4,7 @@
 //! that the tick needs only products and square roots), z \[N s/m\]. Source: SMC 2019 (nlSpring2 is p = 2).
 //! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{Real, Table, quarter_power};
 
@@ -47,6 +47,11 @@ crate::kind::positions!(KIND: K = "k", Q = "q", P = "p", Z = "z");
 
 /// The law of POW.
 pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Pow, 4, 0>())]
+}
 
 /// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
 pub struct Pow;

@@ -5,7 +5,7 @@
 //! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
+use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, fro, linear_lost, linear_stored, res};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table};
@@ -54,6 +54,11 @@ pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero
 /// FRO with the parameters of REF in their places.
 pub static ZONLY: Law =
     Law { load: |p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Ref, 2, 0>())]
+}
 
 /// F = k e + (z/T) w
 pub struct Ref;

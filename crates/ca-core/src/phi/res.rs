@@ -4,7 +4,7 @@
 //! Test: A01, A03, A09.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
+use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table, real};
@@ -46,6 +46,11 @@ crate::kind::positions!(KIND: K = "k");
 
 /// The law of RES; REF without viscosity becomes this.
 pub static LAW: Law = Law::of::<Res, 1, 0>("RES");
+
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Res, 1, 0>())]
+}
 
 /// F = k e
 pub struct Res;

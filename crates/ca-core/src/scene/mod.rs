@@ -2,11 +2,10 @@
 //!
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
+mod bind;
 pub mod certificate;
 pub mod growth;
-mod halves;
 mod identity;
-#[cfg(not(single))]
 mod numbers;
 mod start;
 mod symbols;
@@ -23,7 +22,7 @@ use alloc::borrow::Cow;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use certificate::Certificate;
-pub use halves::{Half, Halves};
+pub use bind::Unbound;
 pub use identity::ARITHMETIC;
 pub use start::{Order, Start, start};
 pub use symbols::{Location, Symbol, Symbols};
@@ -120,8 +119,19 @@ pub struct Scene<R: Real = f64> {
     pub seconds: Option<f64>,
     /// the state at load
     pub initial: State<R>,
-    /// how it was made and of what, where ports are part of the start
-    pub before: Option<(Start, State<R>)>,
+    /// what it was made of, where ports are part of the start, or the scene is bound to another precision
+    pub before: Option<Before<R>>,
+}
+
+/// What the state at load is made of.
+#[derive(Clone)]
+pub struct Before<R: Real = f64> {
+    /// the rules of the start
+    pub start: Start,
+    /// the state as written
+    pub state: State<R>,
+    /// the passes that sum forces, in the order in which the start sums them
+    pub forces: Vec<Op<R>>,
 }
 
 impl<R: Real> Scene<R> {
@@ -142,14 +152,15 @@ impl<R: Real> Scene<R> {
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State<R> {
-        let Some((begin, before)) = &self.before else { return self.state() };
-        let mut s = before.clone();
+        let moves = self.layout.oversample() == 1 && self.layout.enx.iter().any(|p| p.implicit);
+        let Some(before) = self.before.as_ref().filter(|_| moves) else { return self.state() };
+        let mut s = before.state.clone();
         for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
             s.x[p.mat as usize] = inner(real::<R::Outer>(x) - p.rest);
             s.d[p.mat as usize] = real(d);
         }
-        let mut s = start(&self.layout, &self.forces, *begin, s);
+        let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;
         s
     }

@@ -16,8 +16,8 @@ impl<R: Real<Outer = R>> Scene<R> {
     pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
         layout(&mut self.layout, visit);
         state(&mut self.initial, visit);
-        if let Some((_, before)) = &mut self.before {
-            state(before, visit);
+        if let Some(before) = &mut self.before {
+            state(&mut before.state, visit);
         }
     }
 

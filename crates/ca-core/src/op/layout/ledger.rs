@@ -3,7 +3,7 @@
 use crate::numeric::Real;
 use super::Ports;
 use crate::law::Idle;
-use crate::op::Energies;
+use crate::op::{Energies, Law};
 use alloc::vec::Vec;
 
 /// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
@@ -54,10 +54,8 @@ pub struct Account<R: Real = f64> {
     pub mem: usize,
     /// first index into `State::tap`, as in a pass
     pub tap: usize,
-    /// coefficients per link
-    pub coefs: usize,
-    /// numbers of memory per link
-    pub mems: usize,
+    /// the law of the links
+    pub law: &'static Law,
     /// true where the identity holds exactly, so that nothing can be made
     pub linear: bool,
     /// true where a coefficient may change while playing, or an end is a point that moves

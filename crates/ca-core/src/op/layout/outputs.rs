@@ -1,6 +1,7 @@
 //! Outputs: what they hear, channel by channel, and their high pass.
 
 use crate::law::Force;
+use crate::op::Law;
 use crate::numeric::Real;
 
 /// What an output hears.
@@ -15,9 +16,11 @@ pub enum Tap {
 }
 
 /// A linear link of a fused pass whose force is heard.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct HeardLink<R: Real = f64> {
     /// its law
+    pub law: &'static Law,
+    /// the force of its law
     pub force: Force<R>,
     /// slots of its ends
     pub ends: [u32; 2],
