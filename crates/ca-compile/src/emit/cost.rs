@@ -12,7 +12,7 @@
 //! that exist has to stay. A test below says what the table would choose there.
 
 use ca_core::op::links::pair_set;
-use ca_core::op::{Pass, Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
+use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
 use ca_core::scene::Scene;
 use ca_core::state::Fold;
 
