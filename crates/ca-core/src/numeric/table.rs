@@ -21,12 +21,12 @@ pub struct Table<R: Real = f64> {
     slopes: (f64, f64),
 }
 
-impl<R: Real> Table<R> {
+impl Table {
     /// From points with rising x. `None` with fewer than two points, x that does not rise, or a number not finite.
-    pub fn new(points: &[[f64; 2]]) -> Option<Table<R>> {
+    pub fn new(points: &[[f64; 2]]) -> Option<Table> {
         if points.len() < 2
-            || points.windows(2).any(|p| R::of(p[1][0]) <= R::of(p[0][0]))
-            || points.iter().flatten().any(|v| !R::of(*v).is_finite())
+            || points.windows(2).any(|p| p[1][0] <= p[0][0])
+            || points.iter().flatten().any(|v| !v.is_finite())
         {
             return None;
         }
@@ -34,11 +34,13 @@ impl<R: Real> Table<R> {
         let step = (points[last][0] - points[0][0]) / last as f64;
         let even =
             points.iter().enumerate().all(|(i, p)| (p[0] - (points[0][0] + i as f64 * step)).abs() < 1e-9 * step);
-        let per = if even { real(1.0 / step) } else { real(0.0) };
-        let [x, y] = [0, 1].map(|k| points.iter().map(|p| real(p[k])).collect::<Vec<_>>());
+        let per = if even { 1.0 / step } else { 0.0 };
+        let [x, y] = [0, 1].map(|k| points.iter().map(|p| p[k]).collect::<Vec<_>>());
         Some(Table::of(x, y, per))
     }
+}
 
+impl<R: Real> Table<R> {
     /// The same table over another number; `None` where its abscissae do not rise there.
     pub fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
         let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| real(wide(*v))).collect());

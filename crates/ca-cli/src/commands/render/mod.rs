@@ -28,7 +28,6 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
-use ca_lab::catalog;
 use ca_lab::gesture;
 use ca_lab::play::Length;
 use std::io::IsTerminal as _;
@@ -60,6 +59,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
+        precision: ca_core::numeric::Precision::Double,
         arithmetic: None,
         couplings: Vec::new(),
     };
