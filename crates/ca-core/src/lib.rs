@@ -27,8 +27,8 @@
 //! machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
-// a number with its derivatives is as large as a cache line
-#![cfg_attr(dual, allow(clippy::large_types_passed_by_value, clippy::unnecessary_min_or_max))]
+
+
 
 extern crate alloc;
 #[cfg(feature = "std")]
@@ -46,6 +46,7 @@ pub mod mat;
 pub mod method;
 pub mod numeric;
 pub mod op;
+mod passes;
 pub mod phi;
 pub mod pointer;
 pub mod scene;

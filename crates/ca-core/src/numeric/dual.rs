@@ -39,15 +39,6 @@ pub struct Dual {
 }
 
 impl Dual {
-    /// The largest number.
-    pub const MAX: Dual = Dual::constant(f64::MAX);
-    /// The least number above 0 with all its digits.
-    pub const MIN_POSITIVE: Dual = Dual::constant(f64::MIN_POSITIVE);
-    /// Positive infinity.
-    pub const INFINITY: Dual = Dual::constant(f64::INFINITY);
-    /// Negative infinity.
-    pub const NEG_INFINITY: Dual = Dual::constant(f64::NEG_INFINITY);
-
     /// A number that depends on no parameter.
     #[inline(always)]
     pub const fn constant(v: f64) -> Dual {
@@ -94,7 +85,7 @@ impl Dual {
     #[inline(always)]
     #[must_use]
     pub fn sqrt(self) -> Dual {
-        let root = super::real::value_sqrt(self.all[0]);
+        let root = super::sqrt(self.all[0]);
         self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
 

@@ -19,7 +19,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::{KernelClass, Options};
-use ca_core::scene::{Halves, Location};
+use ca_core::scene::Location;
 use ca_core::{Scene, State};
 use ca_io::atomic_file::is_stdout;
 use ca_io::ending::{Ending, RenderOut};
@@ -28,7 +28,6 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
-use ca_lab::catalog;
 use ca_lab::gesture;
 use ca_lab::play::Length;
 use std::io::IsTerminal as _;
@@ -60,6 +59,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
+        precision: ca_core::numeric::Precision::Double,
         arithmetic: None,
         couplings: Vec::new(),
     };
@@ -74,7 +74,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let performance = Performance::new(&scene, gesture.as_ref())?;
     let (seconds, length) = length(&args.playing, &performance);
     let (format, flac) = format(args, &output)?;
-    let halves = if args.threads > 1 { Some(halves(&loaded, &options, &scene)?) } else { None };
+    if args.threads > 1 {
+        term::note("`--threads` has no effect: one thread plays a scene");
+    }
     let ending = Ending { format, flac, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
     let outs = open_probes(&probes, &scene)?;
@@ -85,10 +87,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         done += rows.len() / scene.n_out.max(1);
         Ok(files.write(rows)?)
     };
-    let played = match &halves {
-        Some(h) => play::play_halves(performance, h, gesture.as_ref(), length, show, &mut heard),
-        None => play(performance, length, play::BLOCK, show, &mut |_, rows| heard(rows)),
-    };
+    let played = play(performance, length, play::BLOCK, show, &mut |_, rows| heard(rows));
     let played = played.map_err(|e| match e {
         Failure::Interrupted(_) => Failure::Interrupted(interrupted(&output, done as f64 / scene.rate, seconds)),
         other => other,
@@ -124,7 +123,6 @@ pub fn run(args: &RenderArgs) -> Outcome {
         refused: played.performance.state.refused,
         warnings: load::warnings(&scene.findings),
         probes: &probes,
-        halves: halves.as_ref(),
     };
     summary.warn();
     if args.quiet {
@@ -142,12 +140,6 @@ pub fn run(args: &RenderArgs) -> Outcome {
         summary.text(&mut out)?;
     }
     Ok(if summary.degraded() { Ended::Degraded } else { Ended::Well })
-}
-
-/// The scene in two, for two threads.
-fn halves(loaded: &Loaded, options: &Options, scene: &Scene) -> Result<Halves, Failure> {
-    let cut = ca_compile::halves(&loaded.model, &catalog(), options, scene);
-    cut.map_err(|why| Failure::Usage(format!("--threads 2: `{}` is not cut in two, since {why}", loaded.name)))
 }
 
 /// Where the sound goes.
