@@ -5,10 +5,10 @@
 use crate::error::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
-use ca_core::numeric::Real;
-use ca_core::op::Laws;
 use ca_core::Catalog;
 use ca_core::kind::cloud::{Clouds, Unread};
+use ca_core::numeric::Real;
+use ca_core::op::Laws;
 use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};

@@ -119,7 +119,7 @@ impl<'n> Link<'n> {
     /// The depth of a contact between these elongations.
     fn depth(&self, [from, to]: [f64; 2]) -> f64 {
         let (idle, beyond) = (self.l.law.fns.idle)(&self.rounded);
-                if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
+        if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
     }
 }
 

@@ -13,7 +13,9 @@ pub fn moves(layout: &Layout, forces: &[Op], own: bool) -> Vec<Op> {
     }
     let kick = Pass::Kick { own };
     // what a port refuses was counted at the beginning of the tick
-    let again = |op: &Op| if op.name == "ENF" { Op { first: op.first, ..Op::pass(Pass::Enf { counted: false }, op.n) } } else { *op };
+    let again = |op: &Op| {
+        if op.name == "ENF" { Op { first: op.first, ..Op::pass(Pass::Enf { counted: false }, op.n) } } else { *op }
+    };
     let mut list = Vec::new();
     for first in 0..DRIFTS.len() {
         list.push(Op { first, ..Op::pass(Pass::Drift, n) });

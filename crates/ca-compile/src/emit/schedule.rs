@@ -253,12 +253,7 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     for (m, at) in plan.net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
-            all.extend(input.map(|input| Enx {
-                input,
-                mat: at + k as u32,
-                rest: m.rest[k],
-                implicit: implicit(at),
-            }));
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
         }
     }
     all
@@ -303,21 +298,7 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
         // what is implicit to a port that then goes another way is not exact either
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
-        Some(Account {
-            op: index(i),
-            n,
-            ports,
-            first,
-            coef,
-            mem,
-            tap,
-            law,
-            linear,
-            live: false,
-            energies,
-            rows,
-            idle,
-        })
+        Some(Account { op: index(i), n, ports, first, coef, mem, tap, law, linear, live: false, energies, rows, idle })
     };
     links.forces.iter().enumerate().filter_map(account).collect()
 }

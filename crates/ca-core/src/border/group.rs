@@ -123,7 +123,12 @@ fn run<R: Real>(list: &[Op<R>], group: &SlowGroup<R>, s: &mut State<R>) {
 }
 
 /// One frame of the group: its own forces, those of the links across, integration.
-fn step<R: Real, const COMPENSATED: bool>(group: &SlowGroup<R>, layout: &Layout<R>, s: &State<R>, slow: &mut SlowState<R>) {
+fn step<R: Real, const COMPENSATED: bool>(
+    group: &SlowGroup<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
+    slow: &mut SlowState<R>,
+) {
     run(&group.reads, group, &mut slow.state);
     run(&group.forces, group, &mut slow.state);
     couple::<R, COMPENSATED>(group, layout, s, slow);
@@ -138,7 +143,12 @@ fn step<R: Real, const COMPENSATED: bool>(group: &SlowGroup<R>, layout: &Layout<
 }
 
 /// The mean force of the frame on each port, as a force from outside.
-fn couple<R: Real, const COMPENSATED: bool>(group: &SlowGroup<R>, layout: &Layout<R>, s: &State<R>, slow: &mut SlowState<R>) {
+fn couple<R: Real, const COMPENSATED: bool>(
+    group: &SlowGroup<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
+    slow: &mut SlowState<R>,
+) {
     let (response, n) = (&group.response, group.layout.n_mat);
     let width = 1 + 2 * response.places.len();
     let SlowState { state, ports, unknown, free } = slow;

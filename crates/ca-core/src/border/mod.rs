@@ -11,7 +11,7 @@
 //! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
 //! held by the device until the next.
 
-use crate::numeric::{Real, wide, real};
+use crate::numeric::{Real, real, wide};
 use crate::op::layout::{Enx, Layout, Way};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};

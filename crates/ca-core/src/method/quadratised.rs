@@ -274,7 +274,10 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
         for t in &mut all[acting..] {
             t.p = real(0.0);
         }
-        respond(all, &mut Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap });
+        respond(
+            all,
+            &mut Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap },
+        );
         for t in &all[acting..] {
             let follows = t.psi + R::of(0.5) * t.gamma * (t.free - t.q);
             let left = follows.abs().min(t.psi);

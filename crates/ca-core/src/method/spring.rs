@@ -159,7 +159,8 @@ impl<R: Real> Spring<R> for Power<R> {
             let p = quarter_power(s, n);
             let (mean, d) = (if a > R::ZERO { self.mean(s, a) } else { p * (s / (s - a)) }, s - a);
             let even = d.abs() <= R::of(1e-6) * s;
-            let rise = if even { self.rise() * R::of(0.25) * n * p / s } else { (R::of(2.0) * self.rise() * p - mean) / d };
+            let rise =
+                if even { self.rise() * R::of(0.25) * n * p / s } else { (R::of(2.0) * self.rise() * p - mean) / d };
             (s - e + h * mean, R::of(1.0) + h * rise)
         })
     }

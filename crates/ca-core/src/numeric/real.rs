@@ -1,4 +1,4 @@
-//! Real: the number that a tick computes with: `f64`, `f32`, or a number with its derivatives, [`Dual`].
+//! Real: the number that a tick computes with: `f64`, `f32`, or a number with its derivatives, [`Dual`](super::Dual).
 //!
 //! Only what a tick reads and writes is generic over it. The compiler and changes while playing compute in `f64`, and each number
 //! is rounded once, where it becomes a coefficient. Inputs, device ports, time and the sizes of energy accounts stay `f64`.
@@ -11,7 +11,6 @@
 //! is refused that has a distance in space, an implicit link with more than 100 times the inertia of its ends,
 //! or a number that becomes nothing or infinite.
 
-use super::Dual;
 use core::fmt::Debug;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -25,7 +24,7 @@ pub enum Precision {
     Double,
     /// `f32`
     Single,
-    /// [`Dual`]
+    /// [`Dual`](super::Dual)
     Dual,
 }
 
@@ -167,53 +166,6 @@ macro_rules! plain {
 plain! {
     f64 Double 1e-270 sqrt;
     f32 Single 1e-30 sqrtf;
-}
-
-impl Real for Dual {
-    type Outer = Dual;
-    const PRECISION: Precision = Precision::Dual;
-    const ZERO: Dual = Dual::constant(0.0);
-    const MIN_POSITIVE: Dual = Dual::constant(f64::MIN_POSITIVE);
-    const INFINITY: Dual = Dual::constant(f64::INFINITY);
-    const NEG_INFINITY: Dual = Dual::constant(f64::NEG_INFINITY);
-    const TINY: Dual = Dual::constant(1e-270);
-
-    #[inline(always)]
-    fn of(v: f64) -> Dual {
-        Dual::constant(v)
-    }
-    #[inline(always)]
-    fn wide(self) -> f64 {
-        self.value()
-    }
-    #[inline(always)]
-    fn outer(self) -> Dual {
-        self
-    }
-    #[inline(always)]
-    fn inner(v: Dual) -> Dual {
-        v
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Dual {
-        Dual::sqrt(self)
-    }
-    #[inline(always)]
-    fn abs(self) -> Dual {
-        Dual::abs(self)
-    }
-    #[inline(always)]
-    fn copysign(self, sign: Dual) -> Dual {
-        Dual::copysign(self, sign)
-    }
-    #[inline(always)]
-    fn max(self, other: Dual) -> Dual {
-        Dual::max(self, other)
-    }
-    #[inline(always)]
-    fn min(self, other: Dual) -> Dual {
-        Dual::min(self, other)
-    }
 }
 
 /// The largest number, which stands for none where a place is meant.

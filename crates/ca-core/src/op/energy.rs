@@ -10,7 +10,7 @@ use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
-use crate::numeric::{Real, VerletList, wide, outer, real};
+use crate::numeric::{Real, VerletList, outer, real, wide};
 use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
@@ -66,7 +66,11 @@ impl<R: Real> WithSimd for Mats<'_, R> {
         let of = |x: R, d: R, d0: R, p: R, q: R, m: R::Outer| {
             let [x, d, d0, p, q] = [x, d, d0, p, q].map(outer);
             let (z, moved) = (<R::Outer>::of(0.25) * (<R::Outer>::of(1.0) - p), d + d0);
-            [<R::Outer>::of(0.5) * d * d * m, (<R::Outer>::of(-0.5) * q * x * (x - d) - z * d * d) * m, z * moved * moved * m]
+            [
+                <R::Outer>::of(0.5) * d * d * m,
+                (<R::Outer>::of(-0.5) * q * x * (x - d) - z * d * d) * m,
+                z * moved * moved * m,
+            ]
         };
         let (p, q) = (s.coef[..n].as_chunks::<LANES>(), s.coef[n..][..n].as_chunks::<LANES>());
         let (x, d) = (s.x[..n].as_chunks::<LANES>(), s.d[..n].as_chunks::<LANES>());
@@ -136,7 +140,14 @@ fn links<R: Real>(
 }
 
 /// Enters all links.
-fn all_links<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], d0: &[R], l: &mut Ledger<R>, tick: bool) -> Sums<R> {
+fn all_links<R: Real>(
+    layout: &Layout<R>,
+    s: &State<R>,
+    near: &mut [VerletList],
+    d0: &[R],
+    l: &mut Ledger<R>,
+    tick: bool,
+) -> Sums<R> {
     let mut all = Sums::default();
     for (k, account) in layout.ledger.iter().flat_map(|p| &p.accounts).enumerate() {
         let sums = links(layout, s, near, d0, l, (account, tick));
@@ -156,7 +167,14 @@ struct Entry<R: Real = f64> {
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut VerletList, d0: &[R], a: &Account<R>, at: usize) -> Entry<R> {
+fn set<R: Real>(
+    layout: &Layout<R>,
+    s: &State<R>,
+    near: &mut VerletList,
+    d0: &[R],
+    a: &Account<R>,
+    at: usize,
+) -> Entry<R> {
     let (mut stored, mut heat) = (real(0.0), real(0.0));
     let c = &s.coef[a.coef..][..a.law.coefs];
     let (of, tables) = (a.energies, &layout.tables);

@@ -3,7 +3,7 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::numeric::{Precision, Real, wide, inner, outer, real};
+use crate::numeric::{Precision, Real, inner, outer, real, wide};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::{Cell, State};
 

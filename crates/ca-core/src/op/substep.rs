@@ -5,8 +5,8 @@
 //! given at a sample is reached in a straight line from the sample before, as by a hand at the border, since a jump of
 //! a port is a blow.
 
-use crate::numeric::Real;
 use super::Op;
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 

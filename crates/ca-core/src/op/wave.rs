@@ -6,7 +6,7 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::numeric::{real, Real, inner, outer};
+use crate::numeric::{Real, inner, outer, real};
 use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 

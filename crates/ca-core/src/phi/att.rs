@@ -4,7 +4,7 @@
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{ALONG, BETWEEN, PAIRS, Bound, Law, LawEntry, LawFns, Phi};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::numeric::{Real, Table, real};
 

@@ -4,7 +4,7 @@
 //! the backward difference acts as a centred damper and a negative mass −zT/2 (docs/numerics.md §1.4). Test: A04, A10.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table, real};

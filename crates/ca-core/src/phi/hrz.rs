@@ -6,7 +6,7 @@
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::P;
-use super::{ALONG, BETWEEN, METHOD, PAIRS, Bound, ContactMethod, Law, LawEntry, LawFns, Phi, Sense};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};

@@ -5,7 +5,7 @@
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
 //! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
-use super::{ALONG, BETWEEN, PAIRS, Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{NONE, Real, Table, real};
 

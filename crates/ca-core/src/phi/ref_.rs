@@ -5,7 +5,9 @@
 //! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, L0, PAIRS, SOFTEN, Bound, Law, LawEntry, LawFns, Phi, fro, linear_lost, linear_stored, res};
+use super::{
+    ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res,
+};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table};

@@ -8,8 +8,8 @@
 use super::{Before, Scene, start};
 use crate::numeric::{Precision, Real, Table, VerletList, real};
 use crate::op::layout::{
-    Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce, SlowGroup,
-    Substeps, Termination, Waves,
+    Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
+    SlowGroup, Substeps, Termination, Waves,
 };
 use crate::op::{Band, Form, Integrate, Laws, Op};
 use crate::state::{ActiveContacts, Cell, Identity, Ledger, Ramps, SlowState, State};
@@ -33,7 +33,9 @@ impl fmt::Display for Unbound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Unbound::Law(code) => write!(f, "the law `{code}` is made in double precision only"),
-            Unbound::Table => f.write_str("a table has points that coincide, or are beyond computing, in this precision"),
+            Unbound::Table => {
+                f.write_str("a table has points that coincide, or are beyond computing, in this precision")
+            }
             Unbound::Kernels => f.write_str("the scene was compiled for double precision"),
         }
     }
@@ -209,9 +211,7 @@ fn waves<R: Real>(w: &Waves) -> Waves<R> {
     let end = |end: Termination| match end {
         Termination::Open => Termination::Open,
         Termination::Rigid => Termination::Rigid,
-        Termination::Lossy { loss, memory } => {
-            Termination::Lossy { loss: loss.map(real), memory }
-        }
+        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(real), memory },
     };
     let delay = |d: &Delay| {
         let &Delay { junction, from, to, first, len, end: of } = d;
@@ -227,12 +227,8 @@ fn waves<R: Real>(w: &Waves) -> Waves<R> {
 
 fn implicit<R: Real>(a: &ImplicitLinks) -> ImplicitLinks<R> {
     let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, real(*w))).collect();
-    let force = |f: &LinkForce| LinkForce {
-        coef: f.coef,
-        tap: f.tap,
-        moving: weights(&f.moving),
-        fixed: weights(&f.fixed),
-    };
+    let force =
+        |f: &LinkForce| LinkForce { coef: f.coef, tap: f.tap, moving: weights(&f.moving), fixed: weights(&f.fixed) };
     ImplicitLinks {
         places: a.places.clone(),
         pattern: a.pattern.clone(),

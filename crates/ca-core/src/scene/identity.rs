@@ -176,7 +176,9 @@ impl Words {
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
         self.debug(&ledger.as_ref().map(|l| (l.weight, l.live)));
         self.all(
-            accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.law.coefs, a.law.mem, (a.linear, a.live))),
+            accounts.map(|a| {
+                (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.law.coefs, a.law.mem, (a.linear, a.live))
+            }),
         );
         if let Some(group) = slow {
             self.layout(&group.layout);

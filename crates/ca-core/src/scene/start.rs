@@ -32,7 +32,12 @@ pub struct Start {
 ///
 /// Decides for what the scheme itself makes of the forces, implicit parts included: from rest the tick before is then the
 /// mirror of the tick after, whatever the order.
-pub fn start<R: Real>(layout: &Layout<R>, forces: &[Op<R>], Start { order, sticks }: Start, mut s: State<R>) -> State<R> {
+pub fn start<R: Real>(
+    layout: &Layout<R>,
+    forces: &[Op<R>],
+    Start { order, sticks }: Start,
+    mut s: State<R>,
+) -> State<R> {
     let n = layout.n_mat;
     let exact = order == Order::Exact;
     let memory = |s: &mut State<R>| {

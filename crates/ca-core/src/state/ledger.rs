@@ -1,10 +1,9 @@
 //! The accounts of energy, as data; [`crate::op::energy`] writes them.
 //!
-//! Decides that accounts are numbers beside the tick, [`Outer`]: `f64` in both precisions, and with their derivatives in the build
-//! of dual numbers, whose [`Ledger::balance`] so has those of each sum (docs/numerics.md §9). What only measures how large or how
-//! wrong accounts are (`peak`, `received`, `worst`) is plain, and so is what a hand gives, which has no derivatives.
+//! Accounts are [`Real::Outer`]: `f64` in both precisions, and with derivatives over dual numbers, whose [`Ledger::balance`] so
+//! has those of each sum (docs/numerics.md §9). `peak`, `received` and `worst`, and the energy that a hand gives, are `f64`.
 
-use crate::numeric::{Real, wide, real};
+use crate::numeric::{Real, real, wide};
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 

@@ -4,7 +4,7 @@
 use crate::numbers;
 use ca_core::kind::{Kind, Need, Role, Type};
 use ca_core::numeric::Table;
-use ca_core::op::{Law, ParamBinding};
+use ca_core::op::{Law, ParamBinding, SolveStage};
 
 const DT: f64 = 1.0 / 48_000.0;
 
@@ -160,4 +160,46 @@ fn a_cheaper_law_is_the_same_law() {
         }
     });
     assert!(cheaper >= 20, "{cheaper}");
+}
+
+/// Each law, and each that takes its place by a choice, a missing table or a shared mass, has functions that a scene is bound to,
+/// and their force is that of the law.
+#[test]
+fn functions_of_every_law_are_found_by_its_code() {
+    let laws = ca_core::phi::laws::<f64>();
+    let mut met = std::collections::BTreeSet::new();
+    let mut check = |law: &Law| {
+        let fns = laws.get(law).unwrap_or_else(|| panic!("no functions of `{}`", law.code));
+        let c = vec![0.25; law.coefs];
+        let force = |f: ca_core::law::Force| f(&c, &mut vec![0.0; law.mem], &[], -0.125, 0.5).to_bits();
+        assert_eq!(force(fns.force), force(law.fns.force), "{}", law.code);
+        met.insert(law.code);
+    };
+    for kind in ca_core::phi::KINDS {
+        let Role::Lia(law) = kind.role else { continue };
+        for (a, b) in (0..16).map(|i| (i / 4, i % 4)) {
+            let mut words = [a, b].into_iter().cycle();
+            let choice = |p: &ca_core::kind::Param| match p.ty {
+                Type::Choice(w) if p.name == "curve" || p.name == "method" => {
+                    ParamBinding::At(f64::from(words.next().unwrap_or(0).min(w.len() as u32 - 1)))
+                }
+                Type::Points { .. } if (a + b) % 2 == 0 && p.name == "spring" => ParamBinding::Live,
+                Type::Points { .. } if a > 1 => ParamBinding::Live,
+                _ => ParamBinding::Absent,
+            };
+            let p: Vec<ParamBinding> = kind.params.iter().map(choice).collect();
+            let mut law = law;
+            check(law);
+            while let Some(simpler) = (law.simpler)(&p) {
+                law = simpler;
+                check(law);
+            }
+            while let SolveStage::Single(other) = law.stage {
+                law = other;
+                check(law);
+            }
+        }
+    }
+    check(&ca_core::phi::implicit::LAW);
+    assert!(met.len() > 30, "{met:?}");
 }

@@ -181,13 +181,7 @@ impl Alone {
         Alone::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
     }
 
-    fn of(
-        shape: Shape,
-        ops: &[&Op],
-        ends: Vec<[u32; 2]>,
-        onto: Vec<[u32; 2]>,
-        dual: &Scene<Dual>,
-    ) -> Option<Alone> {
+    fn of(shape: Shape, ops: &[&Op], ends: Vec<[u32; 2]>, onto: Vec<[u32; 2]>, dual: &Scene<Dual>) -> Option<Alone> {
         let (slots, links) = (shape.slots, shape.links);
         let (mut coef, mut mem, mut passes) = (3 * slots, 0, Vec::new());
         for (k, op) in ops.iter().enumerate() {

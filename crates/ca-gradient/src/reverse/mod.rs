@@ -16,13 +16,13 @@ mod single;
 mod sums;
 mod taps;
 
+use crate::forward::over_dual;
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
 use crate::parts::{Parts, number};
 use crate::played::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
-use crate::forward::over_dual;
 use ca_core::Scene;
 use ca_core::numeric::Dual;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};

@@ -4,8 +4,8 @@
 //! what the one before has decided and none asks another.
 
 use crate::emit::plan::Plan;
-use alloc::vec::Vec;
 use crate::net::Pruned;
+use alloc::vec::Vec;
 use ca_core::numeric::Precision;
 use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
 

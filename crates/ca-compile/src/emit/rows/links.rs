@@ -164,7 +164,10 @@ impl Plan<'_> {
                 let coefs = law.coefs as u32;
                 for (i, l) in batch.iter().enumerate().filter(|(_, l)| heard.contains(l)) {
                     let (ends, e0, coef, tap) = (self.ends(*l), k.e0[first + i], (coef + i) as u32, k.tap as u32);
-                    k.heard.push((*l, HeardLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap }));
+                    k.heard.push((
+                        *l,
+                        HeardLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap },
+                    ));
                     k.tap += 1;
                 }
             }

@@ -4,8 +4,8 @@
 //! ledger is there at another tick, and nothing of it had to be written twice. Of its MATs the state of the scene holds
 //! copies that move from outside, as device ports do, so that links across, outputs and names find them.
 
-use crate::numeric::Real;
 use super::Layout;
+use crate::numeric::Real;
 use crate::op::Op;
 use alloc::vec::Vec;
 

@@ -1,8 +1,8 @@
 //! Ledger: the batches of links as the energy ledger sees them.
 
-use crate::numeric::Real;
 use super::Ports;
 use crate::law::Idle;
+use crate::numeric::Real;
 use crate::op::{Energies, Law};
 use alloc::vec::Vec;
 

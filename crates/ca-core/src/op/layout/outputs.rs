@@ -1,8 +1,8 @@
 //! Outputs: what they hear, channel by channel, and their high pass.
 
 use crate::law::Force;
-use crate::op::Law;
 use crate::numeric::Real;
+use crate::op::Law;
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -90,11 +90,7 @@ fn folded<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) ->
 fn radial<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
     // known when this is compiled, so that only one of both is made for a law
     if const { P::WIDE && M == 0 } {
-        return if form.tap {
-            wide::widest::<Blocks<P, C, M, true>>
-        } else {
-            wide::widest::<Blocks<P, C, M, false>>
-        };
+        return if form.tap { wide::widest::<Blocks<P, C, M, true>> } else { wide::widest::<Blocks<P, C, M, false>> };
     }
     if form.tap { by_law::<P, C, M, true> } else { by_law::<P, C, M, false> }
 }

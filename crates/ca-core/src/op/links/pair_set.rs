@@ -7,7 +7,7 @@
 
 use super::measure::{Measure, Radial};
 use crate::law::Phi;
-use crate::numeric::{wide, Real, VerletList, real, sqrt};
+use crate::numeric::{Real, VerletList, real, sqrt, wide};
 use crate::op::Op;
 use crate::op::layout::{Layout, PairSet};
 use crate::op::wide::{Body, Simd};
