@@ -213,3 +213,14 @@ fn outputs_have_files_of_their_own() {
     assert!(std::fs::read_to_string(desk.path("x.csv")).unwrap().starts_with("time"));
     desk.ca(&["device", "sim", "--wait", "--script", "push"]).is(2).says(&["--wait", "no beginning"]);
 }
+
+/// A file of events with times is not a stream of them, and times are also given in minutes.
+#[test]
+fn what_is_not_raw_midi_says_what_plays_it() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL).put("tune.mid", "MThd....");
+    let line = ["serve", "key.ca.toml", "--seconds", "0.1", "--midi", "tune.mid"];
+    desk.ca(&line).is(2).says(&["Standard MIDI File", "--gesture tune.mid"]);
+    desk.ca(&["render", "no.ca.toml", "--seconds", "1 min"]).is(1).says(&["no.ca.toml"]);
+    desk.ca(&["render", "no.ca.toml", "--seconds", "1441 min"]).is(2).says(&["86400 s"]);
+}
