@@ -461,6 +461,9 @@ fn speed(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SPEED, (1e-4, 10.0))
 }
 
+/// A time; also in minutes, which models do not have.
 fn seconds(text: &str) -> Result<f64, String> {
-    quantity_of(text, Unit::SECOND, (1e-6, 86_400.0))
+    let minutes = text.trim().strip_suffix("min").and_then(|n| n.trim().parse::<f64>().ok());
+    let text = minutes.map_or_else(|| text.to_owned(), |n| format!("{} s", n * 60.0));
+    quantity_of(&text, Unit::SECOND, (1e-6, 86_400.0))
 }

@@ -222,8 +222,10 @@ impl<'a> DeviceDemands<'a> {
             if self.beyond(r).contains(&true) {
                 let steeper = r.presented.steepest > r.presented.certified * (1.0 + 1e-6);
                 let all: Vec<String> = r.links.iter().take(4).map(|(n, k)| format!("`{n}` {}", quantity(*k))).collect();
-                let more = if steeper { "; it stiffens within the travel" } else { "" };
-                writeln!(out, "  {:<17} {}{more}", "", all.join(", "))?;
+                let more = steeper.then(|| "it stiffens within the travel".to_owned());
+                let said: Vec<String> =
+                    Some(all.join(", ")).filter(|s| !s.is_empty()).into_iter().chain(more).collect();
+                writeln!(out, "  {:<17} {}", "", said.join("; "))?;
             }
             if let Some(x) = r.saturates {
                 writeln!(

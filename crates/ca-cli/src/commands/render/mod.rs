@@ -17,7 +17,7 @@ use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{outputs, term};
 use ca_compile::{KernelClass, Options};
 use ca_core::scene::Location;
 use ca_core::{Scene, State};
@@ -48,6 +48,8 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let loaded = load::load(&args.source)?;
     let output = output(args, &loaded)?;
     let probes = probes(args, &output)?;
+    let written: Vec<_> = [("-o", &*output)].into_iter().chain(probes.iter().map(|p| ("--probe", &*p.file))).collect();
+    outputs::apart(&written, &inputs(&args.source.model, &args.playing.gesture))?;
     let options = Options {
         rate: args.source.rate,
         energy: args.energy,
@@ -70,7 +72,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
     }
     border::idle(&args.source, &scene);
-    let gesture = gesture(&args.playing, &scene, &output)?;
+    let gesture = gesture(&args.playing, &scene)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
     let (seconds, length) = length(&args.playing, &performance);
     let (format, flac) = format(args, &output)?;
@@ -196,11 +198,6 @@ fn interrupted(output: &Path, done: f64, seconds: f64) -> String {
     format!("interrupted after {done:.2} s of {seconds} s: none of it is kept, {kept}")
 }
 
-/// Whether two names mean the same file, as far as that exists.
-fn same(a: &Path, b: &Path) -> bool {
-    a == b || a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
-}
-
 fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
     let mut list: Vec<Probe> = Vec::new();
     for text in &args.probe {
@@ -214,9 +211,6 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
         let file = file.map_or_else(default, PathBuf::from);
         if list.iter().any(|p| p.name == name) {
             return Err(Failure::Usage(format!("--probe: `{name}` is asked for twice")));
-        }
-        if list.iter().any(|p| same(&p.file, &file)) || same(output, &file) {
-            return Err(Failure::Usage(format!("--probe: `{}` would be written twice", file.display())));
         }
         list.push(Probe { name: name.into(), file });
     }
@@ -238,15 +232,14 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
     Ok(outs)
 }
 
-/// All gesture files as one gesture; none of them is `output`.
-pub(crate) fn gesture(args: &Playing, scene: &Scene, output: &Path) -> Result<Option<Gesture>, Failure> {
-    for text in &args.gesture {
-        let file = gesture::port_and_file(text, Path::new("")).1;
-        if same(file, output) {
-            let what = format!("`{}` is the gesture and would be overwritten", file.display());
-            return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
-        }
-    }
+/// The files that a model is played from.
+pub(crate) fn inputs<'a>(model: &'a str, gestures: &'a [String]) -> Vec<(&'static str, &'a Path)> {
+    let gestures = gestures.iter().map(|text| ("the gesture", gesture::port_and_file(text, Path::new("")).1));
+    [("the model", Path::new(model))].into_iter().chain(gestures).collect()
+}
+
+/// All gesture files as one gesture.
+pub(crate) fn gesture(args: &Playing, scene: &Scene) -> Result<Option<Gesture>, Failure> {
     Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""), &mut |what| term::note(what))?)
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Decides who does what: the engine thread computes, the gateway thread moves frames between shared memory and rings,
 //! files are written by threads of their own, and this one, the recorder, does everything else that may take its time. A
-//! model without devices gets no gateway and no shared memory; one without live parameters either gets no control; sound
+//! model without devices gets no gateway and no shared memory; one without live parameters and a page gets no control; sound
 //! goes to a device only where that is asked.
 
 mod answer;
@@ -15,9 +15,8 @@ mod talk;
 mod wav;
 
 use crate::args::{ClockKind, ServeArgs};
-use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{load, outputs, term};
 pub(super) use answer::{answer, param};
 use ca_compile::Options;
 use ca_haptic::coupling;
@@ -33,7 +32,7 @@ use ca_io::sound::{Format, WavOut};
 pub(crate) use frontend::{Desk, Frontend, Opening};
 pub(crate) use inputs::Inputs;
 pub(crate) use setup::devices;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
@@ -64,6 +63,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
 
 /// Plays in real time; in a page where there is one.
 pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome {
+    written(args)?;
     let loaded = load::load(&args.source)?;
     let mut options = Options {
         rate: args.source.rate,
@@ -239,6 +239,18 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         summary::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// Refuses outputs that would be written over each other, or over what is read.
+fn written(args: &ServeArgs) -> Result<(), Failure> {
+    let file = |given: &'_ String| PathBuf::from(given.split_once('=').map_or(given.as_str(), |(_, file)| file));
+    let [profiles, calibrations] = [&args.profile, &args.calibration].map(|l| l.iter().map(file).collect::<Vec<_>>());
+    let mut inputs = vec![("the model", Path::new(&args.source.model))];
+    inputs.extend(profiles.iter().map(|p| ("a profile", &**p)));
+    inputs.extend(calibrations.iter().map(|p| ("a calibration", &**p)));
+    inputs.extend(args.midi.iter().chain(&args.osc_token).map(|p| ("an input", &**p)));
+    let sound = args.output.iter().map(|p| ("-o", &**p));
+    outputs::apart(&sound.chain(args.log.iter().map(|p| ("--log", &**p))).collect::<Vec<_>>(), &inputs)
 }
 
 /// Ctrl-C and SIGTERM end the session; once more, half a second later, the process, should something stand still. A handler
