@@ -223,7 +223,7 @@ mod tests {
     #[test]
     fn a_gesture_lasts_a_day_at_most() {
         for t in [86_401.0, -1e9] {
-            let mut points = [(0.0, 0.0), (t, 1.0)];
+            let mut points = [(0.0_f64, 0.0), (t, 1.0)];
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let e = Track::points("x", points.to_vec()).unwrap_err().to_string();
             assert!(e.contains(&format!("{} s, and a gesture lasts 86400 s at most", Plain(t))), "{e}");
