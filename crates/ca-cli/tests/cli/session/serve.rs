@@ -221,6 +221,6 @@ fn what_is_not_raw_midi_says_what_plays_it() {
     desk.put("key.ca.toml", MODEL).put("tune.mid", "MThd....");
     let line = ["serve", "key.ca.toml", "--seconds", "0.1", "--midi", "tune.mid"];
     desk.ca(&line).is(2).says(&["Standard MIDI File", "--gesture tune.mid"]);
-    desk.ca(&["render", "no.ca.toml", "--seconds", "1 min"]).is(1).says(&["no.ca.toml"]);
+    desk.ca(&["render", "no.ca.toml", "--seconds", "1 min"]).is(2).says(&["no such file"]);
     desk.ca(&["render", "no.ca.toml", "--seconds", "1441 min"]).is(2).says(&["86400 s"]);
 }
