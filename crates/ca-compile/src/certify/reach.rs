@@ -77,19 +77,17 @@ struct Link<'n> {
     net: &'n Pruned,
     l: &'n LiaNode,
     coefs: Vec<f64>,
-    rounded: Vec<f64>,
 }
 
 impl<'n> Link<'n> {
     fn new(net: &'n Pruned, l: &'n LiaNode) -> Link<'n> {
         let coefs = l.law.loaded(&net.values(l.item, &l.values), net.tick_dt);
-        let rounded = coefs.to_vec();
-        Link { net, l, coefs, rounded }
+        Link { net, l, coefs }
     }
 
     /// Its potential at elongation `e` \[J\].
     fn stored(&self, e: f64) -> f64 {
-        let (c, e) = (&self.rounded[..], e);
+        let c = &self.coefs[..];
         (self.l.law.fns.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e)
     }
 
@@ -118,7 +116,7 @@ impl<'n> Link<'n> {
 
     /// The depth of a contact between these elongations.
     fn depth(&self, [from, to]: [f64; 2]) -> f64 {
-        let (idle, beyond) = (self.l.law.fns.idle)(&self.rounded);
+        let (idle, beyond) = (self.l.law.fns.idle)(&self.coefs);
         if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
     }
 }

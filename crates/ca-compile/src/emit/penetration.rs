@@ -41,7 +41,7 @@ type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
 fn coefs(net: &Pruned, l: &LiaNode) -> Vec<f64> {
-    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt).into_iter().collect()
+    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt)
 }
 
 /// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
@@ -56,7 +56,7 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        measure(m.measure(), &places, &[0.0; 6], [0, 3], &reach).e
+        measure(m.measure(), &places, &[0.0; 6], [0, 3], reach).e
     };
     let second = l.onto.as_ref().map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
     let e = e0 + elongation(l.ends, l.measure, &reach[0]) + second;

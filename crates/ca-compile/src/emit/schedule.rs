@@ -140,11 +140,11 @@ pub fn schedule(
         output_rows: Vec::new(),
         pair_sets: links.pair_sets,
         e0: links.e0,
-        rest: rest,
+        rest,
         nodes,
         moving_points,
         modal,
-        shares: shares,
+        shares,
         solved_modal: solved_modal.list,
         modal_couplings: solved_modal.groups,
         couplings: solved_modal.couplings,
@@ -197,7 +197,7 @@ pub fn schedule(
         () => Order::Second,
     };
     let begin = Start { order, sticks: options.arithmetic.is_none_or(|a| a >= 5) };
-    let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    let mut loaded = loaded(net, &layout, &x, &v, &coef, (live_places, whole));
     loaded.written = written.orders(loaded.coef.len());
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
         let own = slow.state(&group);
@@ -320,15 +320,15 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
 fn loaded(
     net: &Pruned,
     layout: &Layout,
-    x: Vec<f64>,
+    x: &[f64],
     v: &[f64],
-    coef: Vec<f64>,
+    coef: &[f64],
     (live, whole): (Vec<u32>, u32),
 ) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     State {
         scene: Identity::default(),
-        x: x.into_iter().collect(),
+        x: Aligned::from(x),
         d: v.iter().map(|v| v * net.tick_dt).collect(),
         f: Aligned::zeros(layout.n_mat),
         mem: alloc::vec![0.0; layout.n_mem],
@@ -352,7 +352,7 @@ fn loaded(
         tick: 0,
         refused: 0,
         input,
-        coef: coef.into_iter().collect(),
+        coef: Aligned::from(coef),
     }
 }
 

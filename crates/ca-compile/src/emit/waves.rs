@@ -26,7 +26,7 @@ impl Plan<'_> {
                 // before the first junction and behind the last a wave comes back to where it was
                 let sides = [(i > 0).then(|| (base + i - 1, 1)), (i < last).then_some((base + i, 0))];
                 let [left, right] = sides;
-                let mut lossy = |loss: Loss| Termination::Lossy { loss: loss, memory: take(1) };
+                let mut lossy = |loss: Loss| Termination::Lossy { loss, memory: take(1) };
                 // taps and allpass of the near end take two samples of its delay; every ring of taps has three more
                 let ways = match (left, right, tuned.near) {
                     (Some(a), Some(b), _) => {

@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn every_array_begins_at_a_line_and_keeps_its_numbers() {
         for n in [0, 1, 7, 8, 9, 1000] {
-            let numbers: Vec<f64> = (0..n).map(|i| f64::from(i)).collect();
+            let numbers: Vec<f64> = (0..n).map(f64::from).collect();
             let mut a: Aligned = numbers.iter().copied().collect();
             assert_eq!(a[..], numbers[..]);
             assert_eq!(a.as_ptr() as usize % LINE, 0, "{n} numbers");
