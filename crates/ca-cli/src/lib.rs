@@ -9,7 +9,6 @@ mod args;
 mod commands;
 mod load;
 mod outcome;
-mod outputs;
 mod page;
 mod store;
 mod term;

@@ -41,4 +41,3 @@ pub mod op;
 mod params;
 
 pub use kinds::KINDS;
-pub use laws::laws;

@@ -8,6 +8,7 @@ mod compile_fuzz;
 mod depth;
 mod fused;
 mod growth;
+mod halves;
 mod modes;
 mod oracle;
 mod reach;

@@ -6,7 +6,6 @@
 //! a port is a blow.
 
 use super::Op;
-use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
@@ -16,21 +15,19 @@ pub(crate) fn phase(n: u32, tick: u64) -> u32 {
 }
 
 /// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
-pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
     let Some(substeps) = &layout.substeps else { return };
     let now = s.tick * u64::from(substeps.times);
     s.tick = (now + 1).saturating_sub(u64::from(substeps.times));
     while s.tick < now {
-        for op in &*substeps.tick {
-            (op.kernel)(op, layout, s);
-        }
+        (substeps.tick)(layout, s);
         s.tick += 1;
     }
 }
 
 /// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
 /// none.
-pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
     let Some(substeps) = &layout.substeps else { return };
     let j = phase(substeps.times, s.tick);
     for (g, i) in s.glide[..op.n].iter_mut().zip(&substeps.inputs) {
@@ -54,11 +51,11 @@ pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 }
 
 /// From here on the state counts ticks.
-pub fn to_ticks<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn to_ticks(_op: &Op, layout: &Layout, s: &mut State) {
     s.tick *= u64::from(layout.oversample());
 }
 
 /// From here on the state counts samples.
-pub fn to_samples<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn to_samples(_op: &Op, layout: &Layout, s: &mut State) {
     s.tick /= u64::from(layout.oversample());
 }

@@ -9,59 +9,59 @@ use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct ActiveContact<R: Real = f64> {
+pub(crate) struct ActiveContact {
     /// first slot of either end
     pub ends: [u32; 2],
     /// axes of an end: 1 on a line, 3 in space
     pub axes: usize,
     /// gradient of the penetration against the second end; its negative against the first
-    pub g: [R; 3],
+    pub g: [Real; 3],
     /// its memory
     pub mem: usize,
     /// where its force is heard, if it is
     pub tap: Option<usize>,
     /// sign that turns its push into the tension of a link
-    pub side: R,
+    pub side: Real,
     /// may only push
     pub clip: bool,
     /// lets go: is not pressed together any more, but still holds energy
     pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
-    pub gamma: R,
+    pub gamma: Real,
     /// ψ before the tick \[√J\]; the energy stored is ψ²/2
-    pub psi: R,
+    pub psi: Real,
     /// viscosity \[N per m/tick\]
-    pub z: R,
+    pub z: Real,
     /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
-    pub stiff: R,
+    pub stiff: Real,
     /// the change of penetration over two ticks that all other forces would cause \[m\]
-    pub free: R,
+    pub free: Real,
     /// diagonal of the system \[m/N\]
-    pub diag: R,
+    pub diag: Real,
     /// push beyond γψ \[N\]: the unknown
-    pub y: R,
+    pub y: Real,
     /// residual \[m\]
-    pub r: R,
+    pub r: Real,
     /// direction of search \[N\]
-    pub p: R,
+    pub p: Real,
     /// what the system makes of the direction \[m\]
-    pub q: R,
+    pub q: Real,
 }
 
 /// The contacts of this tick.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ActiveContacts<R: Real = f64> {
+pub struct ActiveContacts {
     /// how many act so far
     pub(crate) n: usize,
     /// the first `n` of them act (as long as there are contacts that may)
-    pub(crate) list: Vec<ActiveContact<R>>,
+    pub(crate) list: Vec<ActiveContact>,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
-    pub(crate) push: Vec<R>,
+    pub(crate) push: Vec<Real>,
 }
 
-impl<R: Real> ActiveContacts<R> {
+impl ActiveContacts {
     /// Room for `contacts` among `places`.
-    pub fn new(contacts: usize, places: usize) -> ActiveContacts<R> {
+    pub fn new(contacts: usize, places: usize) -> ActiveContacts {
         let places = if contacts == 0 { 0 } else { places };
         ActiveContacts {
             n: 0,

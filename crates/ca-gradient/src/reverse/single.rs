@@ -4,7 +4,6 @@ use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
-use ca_core::numeric::Dual;
 use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State};
 
@@ -45,7 +44,7 @@ impl Single {
     pub fn new(
         scene: &Scene,
         link: &Link,
-        dual: &Scene<Dual>,
+        dual: &ca_core_dual::Scene,
         place: &Scene,
         needed: &impl Fn(f64) -> bool,
         driven: &[usize],
@@ -159,7 +158,7 @@ impl Pairs {
     pub fn new(
         scene: &Scene,
         op: &Op,
-        dual: &Scene<Dual>,
+        dual: &ca_core_dual::Scene,
         place: &Scene,
         needed: &impl Fn(f64) -> bool,
     ) -> Option<Pairs> {
@@ -170,7 +169,7 @@ impl Pairs {
         let sh = &alone.shape;
         let coefs = sh.coef()..sh.coef() + sh.coefs;
         alone.given[coefs.clone()].copy_from_slice(&scene.initial.coef[op.coef..][..coefs.len()]);
-        let idle = (op.law?.fns.idle)(&alone.given[coefs.clone()]);
+        let idle = (op.law?.idle)(&alone.given[coefs.clone()]);
         let at = |k: usize| place.initial.coef[op.coef + k];
         let numbers: Vec<(usize, usize)> =
             (0..coefs.len()).filter(|k| needed(at(*k))).map(|k| (coefs.start + k, number(at(k)))).collect();

@@ -11,8 +11,6 @@ mod single;
 #[cfg(test)]
 mod tests;
 
-pub use single::bound as single;
-
 use crate::Failure;
 use crate::load::{self, Loaded};
 use ca_compile::Options;

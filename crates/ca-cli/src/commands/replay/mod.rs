@@ -6,8 +6,9 @@
 mod account;
 
 use crate::args::ReplayArgs;
+use crate::load::has_extension;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::{load, outputs, term};
+use crate::term;
 use account::Account;
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
@@ -19,9 +20,9 @@ use std::io::Write as _;
 
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Outcome {
-    if let Some(path) = &args.output {
-        load::check_wav_path(path)?;
-        outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
+    if let Some(path) = args.output.as_ref().filter(|p| !has_extension(p, "wav") && !p.exists()) {
+        let what = format!("`{}`: sound is written as WAV", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
     }
     let mut take = Take::open(&args.file)?;
     // the ledger changes no bit of what is played, which the comparison shows

@@ -55,8 +55,7 @@ wall = {}
 [LNL]
 cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13, 0], [1, 1.4e308]] }
 "#;
-    // without a coupling, which this cliff would need
-    let long = crate::stage::PROFILE.replace("0.01", "0.5") + "coupling = false\n";
+    let long = crate::stage::PROFILE.replace("0.01", "0.5");
     stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("wild.ca.toml", &["--quiet"]);

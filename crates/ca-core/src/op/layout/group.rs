@@ -5,7 +5,6 @@
 //! copies that move from outside, as device ports do, so that links across, outputs and names find them.
 
 use super::Layout;
-use crate::numeric::Real;
 use crate::op::Op;
 use alloc::vec::Vec;
 
@@ -33,17 +32,17 @@ pub struct Response {
 
 /// The groups at the gesture rate.
 #[derive(Clone, Default)]
-pub struct SlowGroup<R: Real = f64> {
+pub struct SlowGroup {
     /// its arrays; the tick is a gesture frame
-    pub layout: Layout<R>,
+    pub layout: Layout,
     /// its ledger, where there is one
-    pub reads: Vec<Op<R>>,
+    pub reads: Vec<Op>,
     /// forces within it
-    pub forces: Vec<Op<R>>,
+    pub forces: Vec<Op>,
     /// what looks at all forces on it
-    pub after: Vec<Op<R>>,
+    pub after: Vec<Op>,
     /// integration
-    pub moves: Vec<Op<R>>,
+    pub moves: Vec<Op>,
     /// places whose copies move in every tick; those that links across hold come first
     pub ports: Vec<Copied>,
     /// how many links across hold

@@ -2,8 +2,7 @@
 
 use super::Ports;
 use crate::law::Idle;
-use crate::numeric::Real;
-use crate::op::{Energies, Law};
+use crate::op::Energies;
 use alloc::vec::Vec;
 
 /// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
@@ -39,7 +38,7 @@ impl Row {
 
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
-pub struct Account<R: Real = f64> {
+pub struct Account {
     /// its place in the list of passes that sum forces
     pub op: usize,
     /// number of links
@@ -54,25 +53,27 @@ pub struct Account<R: Real = f64> {
     pub mem: usize,
     /// first index into `State::tap`, as in a pass
     pub tap: usize,
-    /// the law of the links
-    pub law: &'static Law,
+    /// coefficients per link
+    pub coefs: usize,
+    /// numbers of memory per link
+    pub mems: usize,
     /// true where the identity holds exactly, so that nothing can be made
     pub linear: bool,
     /// true where a coefficient may change while playing, or an end is a point that moves
     pub live: bool,
     /// what it stores between two ticks, and loses in one
-    pub energies: Energies<R>,
+    pub energies: Energies,
     /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
     pub rows: [Row; 2],
     /// where there is no force, for contacts
-    pub idle: Idle<R>,
+    pub idle: Idle,
 }
 
 /// What the ledger needs to find its way.
 #[derive(Clone, Default)]
-pub struct LedgerPlan<R: Real = f64> {
+pub struct LedgerPlan {
     /// batches of links, in the order of the passes
-    pub accounts: Vec<Account<R>>,
+    pub accounts: Vec<Account>,
     /// coefficient of the first weighed MAT
     pub weight: usize,
     /// true where a coefficient of a MAT, or its weight, may change while playing

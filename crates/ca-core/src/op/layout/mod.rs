@@ -18,9 +18,10 @@ pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
-use super::{Op, Vectors};
+use super::Vectors;
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, Table};
+use crate::numeric::{Outer, Real, Table};
+use crate::state::State;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -78,13 +79,13 @@ impl PairSet {
 
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Enx<R: Real = f64> {
+pub struct Enx {
     /// index into [`State::input`]
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
     /// its rest position \[m\]; the input is absolute
-    pub rest: R::Outer,
+    pub rest: Outer,
     /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
     /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
     pub implicit: bool,
@@ -142,17 +143,6 @@ pub struct Crossing {
     pub feedback: bool,
 }
 
-/// How device ports cross the border: by their [`Shape`], or tick by tick where a frame has one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
-    /// one tick a frame
-    Synchronous,
-    /// [`Shape::Linear`]
-    Linear,
-    /// [`Shape::Hold`]
-    Hold,
-}
-
 impl Default for Crossing {
     fn default() -> Crossing {
         Crossing { shape: Shape::Linear, latency: 0, feedback: true }
@@ -162,7 +152,7 @@ impl Default for Crossing {
 /// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
 /// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ImplicitLinks<R: Real = f64> {
+pub struct ImplicitLinks {
     /// slots in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
@@ -170,7 +160,7 @@ pub struct ImplicitLinks<R: Real = f64> {
     /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
     pub coef: usize,
     /// links whose whole force somebody needs
-    pub forces: Vec<LinkForce<R>>,
+    pub forces: Vec<LinkForce>,
     /// links that share no mass with another such (any)
     pub pairs: Vec<Pair>,
 }
@@ -186,31 +176,34 @@ pub struct Pair {
 
 /// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinkForce<R: Real = f64> {
+pub struct LinkForce {
     /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
     /// index into [`State::tap`]
     pub tap: Option<u32>,
     /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
-    pub moving: Vec<(u32, R)>,
+    pub moving: Vec<(u32, Real)>,
     /// the same for slots in the state that no force moves
-    pub fixed: Vec<(u32, R)>,
+    pub fixed: Vec<(u32, Real)>,
 }
+
+/// What runs between two samples.
+pub type SubstepFn = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
 
 /// A sample of several ticks.
 #[derive(Clone)]
-pub struct Substeps<R: Real = f64> {
+pub struct Substeps {
     /// ticks in a sample, R
     pub times: u32,
-    /// the passes of one tick between two samples
-    pub tick: Arc<[Op<R>]>,
+    /// one tick between two samples; a function, since what a pass is lies above what it reads
+    pub tick: SubstepFn,
     /// indices into [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
 
 /// The arrays.
 #[derive(Clone, Default)]
-pub struct Layout<R: Real = f64> {
+pub struct Layout {
     /// sound sample \[s\], 1/rate
     pub sample_dt: f64,
     /// sound samples per gesture frame
@@ -239,7 +232,7 @@ pub struct Layout<R: Real = f64> {
     pub onto: Vec<[u32; 2]>,
     /// what a port in space needs beside its ends: for [`MeasureKind::Radial`] the vector between the ends at rest \[m\] and
     /// the square of the softening length \[m²\], for [`MeasureKind::Along`] the direction and nothing (any x 4)
-    pub reach: Vec<[R; 4]>,
+    pub reach: Vec<[Real; 4]>,
     /// for each entry of `reach` how many links of its batch, from that one on, are a row: they join points that follow each
     /// other on both sides, the second ends behind the first, as far apart at rest as `rest` says. Or, below 0, how many are
     /// none (as `reach`)
@@ -247,9 +240,9 @@ pub struct Layout<R: Real = f64> {
     /// sets of which all pairs are joined (any)
     pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)
-    pub e0: Vec<R>,
+    pub e0: Vec<Real>,
     /// rest positions \[m\] (n_mat)
-    pub rest: Vec<R>,
+    pub rest: Vec<Real>,
     /// nodes under moving points (any)
     pub nodes: Vec<u32>,
     /// moving points (any)
@@ -257,31 +250,31 @@ pub struct Layout<R: Real = f64> {
     /// masses in groups that go by their modes (any)
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)
-    pub shares: Vec<R>,
+    pub shares: Vec<Real>,
     /// those of the masses at which links count on the motion to come, group by group (any)
     pub solved_modal: Vec<SolvedModal>,
     /// groups with several of these (any)
     pub modal_couplings: Vec<ModalCoupling>,
     /// how much a force on one of them moves another, as a part of what one on that itself does (any)
-    pub couplings: Vec<R>,
+    pub couplings: Vec<Real>,
     /// tables of laws (any)
-    pub tables: Vec<Table<R>>,
+    pub tables: Vec<Table>,
     /// position ports (any)
-    pub enx: Vec<Enx<R>>,
+    pub enx: Vec<Enx>,
     /// force ports (any)
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
-    pub tgr: Vec<Enx<R>>,
+    pub tgr: Vec<Enx>,
     /// parameters that ports drive (any)
-    pub driven: Vec<Driven<R>>,
+    pub driven: Vec<Driven>,
     /// how they cross it
     pub crossing: Crossing,
     /// waveguides
-    pub waves: Waves<R>,
+    pub waves: Waves,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
     /// links of fused passes whose forces are heard (any)
-    pub heard: Vec<HeardLink<R>>,
+    pub heard: Vec<HeardLink>,
     /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
     pub outputs: Vec<Output>,
     /// how many of them hear motion: as it is, and through a high pass. A list of their own, so that the others need not be asked
@@ -290,31 +283,22 @@ pub struct Layout<R: Real = f64> {
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
     pub output_rows: Vec<OutputRow>,
     /// the high passes of the last of them (any)
-    pub blockers: Vec<DcBlocker<R>>,
+    pub blockers: Vec<DcBlocker>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
-    pub lowpass: Vec<R>,
+    pub lowpass: Vec<Real>,
     /// what is solved in each tick, where implicit links are solved together
-    pub implicit: Option<ImplicitLinks<R>>,
+    pub implicit: Option<ImplicitLinks>,
     /// what the ledger needs, where the scene keeps one
-    pub ledger: Option<LedgerPlan<R>>,
+    pub ledger: Option<LedgerPlan>,
     /// groups at the gesture rate
-    pub slow: Option<Arc<SlowGroup<R>>>,
+    pub slow: Option<Arc<SlowGroup>>,
     /// where a sample has several ticks
-    pub substeps: Option<Substeps<R>>,
+    pub substeps: Option<Substeps>,
     /// the vectors its passes use; the bits are the same with all
     pub vectors: Vectors,
 }
 
-impl<R: Real> Layout<R> {
-    /// How device ports cross the border.
-    pub fn way(&self) -> Way {
-        match (self.frame, self.crossing.shape) {
-            (1, _) => Way::Synchronous,
-            (_, Shape::Linear) => Way::Linear,
-            (_, Shape::Hold) => Way::Hold,
-        }
-    }
-
+impl Layout {
     /// Ticks in a sample: 1, unless the model asks for more.
     pub fn oversample(&self) -> u32 {
         self.substeps.as_ref().map_or(1, |f| f.times)

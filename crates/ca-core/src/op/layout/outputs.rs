@@ -2,7 +2,6 @@
 
 use crate::law::Force;
 use crate::numeric::Real;
-use crate::op::Law;
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,16 +15,14 @@ pub enum Tap {
 }
 
 /// A linear link of a fused pass whose force is heard.
-#[derive(Clone, Copy)]
-pub struct HeardLink<R: Real = f64> {
+#[derive(Clone, Copy, Debug)]
+pub struct HeardLink {
     /// its law
-    pub law: &'static Law,
-    /// the force of its law
-    pub force: Force<R>,
+    pub force: Force,
     /// slots of its ends
     pub ends: [u32; 2],
     /// constant part of its elongation \[m\]
-    pub e0: R,
+    pub e0: Real,
     /// index of its first coefficient, and from one to the next
     pub coef: u32,
     /// see `coef`
@@ -58,9 +55,9 @@ pub struct OutputRow {
 
 /// The high pass of an output, y ← r·y + g·(v − v′).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DcBlocker<R: Real = f64> {
+pub struct DcBlocker {
     /// what stays of y each tick
-    pub r: R,
+    pub r: Real,
     /// gain
-    pub g: R,
+    pub g: Real,
 }

@@ -1,23 +1,23 @@
 //! Waves: the ways of waveguides, and where they are touched.
 
-use crate::numeric::Real;
+use crate::numeric::Outer;
 use crate::tuning::wave::Loss;
 use alloc::vec::Vec;
 
 /// A place where a waveguide is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Junction<R: Real = f64> {
+pub struct Junction {
     /// the MAT it is
     pub mat: u32,
     /// wave impedance of either side \[N per m/tick\]
-    pub z: R::Outer,
+    pub z: Outer,
     /// its memory: the waves that arrive from either side, and its motion before the tick \[m/tick\]
     pub memory: usize,
 }
 
 /// What a wave meets at the end of its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Termination<R: Real = f64> {
+pub enum Termination {
     /// nothing: on to the next junction
     Open,
     /// a rigid end
@@ -25,7 +25,7 @@ pub enum Termination<R: Real = f64> {
     /// a rigid end with a loss and an allpass
     Lossy {
         /// their coefficients
-        loss: Loss<R::Outer>,
+        loss: Loss<Outer>,
         /// memory of the allpass
         memory: usize,
     },
@@ -33,7 +33,7 @@ pub enum Termination<R: Real = f64> {
 
 /// A way that waves take, from one side of a junction to a side of the same or of the next: a ring of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Delay<R: Real = f64> {
+pub struct Delay {
     /// the junction they leave
     pub junction: usize,
     /// memory of the wave that arrives on the side they leave from
@@ -45,16 +45,16 @@ pub struct Delay<R: Real = f64> {
     /// its length: the ticks a wave takes, and three more where a loss follows
     pub len: usize,
     /// what they meet at its end
-    pub end: Termination<R>,
+    pub end: Termination,
 }
 
 /// The waveguides of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Waves<R: Real = f64> {
+pub struct Waves {
     /// where they are touched (any)
-    pub junctions: Vec<Junction<R>>,
+    pub junctions: Vec<Junction>,
     /// how waves travel (any)
-    pub delays: Vec<Delay<R>>,
+    pub delays: Vec<Delay>,
     /// first slot of their memory in [`State::mem`](crate::state::State)
     pub first: usize,
     /// places of it
