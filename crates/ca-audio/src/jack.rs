@@ -5,9 +5,9 @@
 //! neither allocates nor locks. MIDI comes by a port beside those of sound, which is connected to nothing by itself: what stands behind
 //! a server may be a device that is read without it, too.
 
-use crate::events::{EventReader, EventWriter, ring};
 use super::{Output as Any, Playing};
 use crate::AudioError;
+use crate::events::{EventReader, EventWriter, ring};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};

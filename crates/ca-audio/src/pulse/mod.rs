@@ -122,7 +122,9 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
     let most = usize::from(sink.channel_map.num_channels());
     if scene.channels > most {
         let n = scene.channels;
-        return Err(AudioError::Unfit(format!("{NAME} plays {most} channels, and the model has {n} outputs; join some")));
+        return Err(AudioError::Unfit(format!(
+            "{NAME} plays {most} channels, and the model has {n} outputs; join some"
+        )));
     }
     Ok(if scene.channels == 1 { most.min(2) } else { scene.channels })
 }

@@ -26,7 +26,9 @@ fn request(args: &ServeArgs, scene: &Arc<Scene>, page: bool, thread: RtRequest) 
 fn open(args: &ServeArgs, wants: &AudioRequest, plays: bool) -> Result<Option<(String, Opened)>, Failure> {
     match args.audio.as_deref() {
         Some(switch::PAGE) if plays => Ok(None),
-        Some(switch::PAGE) => Err(Failure::Usage("--audio page: `ca serve` does not have a page; `ca play` does".into())),
+        Some(switch::PAGE) => {
+            Err(Failure::Usage("--audio page: `ca serve` does not have a page; `ca play` does".into()))
+        }
         Some(wanted) => {
             let name = if wanted.is_empty() { DEFAULT } else { wanted };
             let opened = ca_audio::open(name, wants).map_err(|e| Failure::Failed(format!("--audio {name}: {e}")))?;
