@@ -1,4 +1,4 @@
-//! Sound of a scene that plays in real time: a JACK server ([`jack`]), a PulseAudio server ([`pulse`]), or a sound device of the
+//! Sound of a scene that plays in real time: a JACK server (`jack`), a PulseAudio server (`pulse`), or a sound device of the
 //! system (`device`, feature `devices`).
 //!
 //! Neither server needs anything when this is built: libjack is loaded at run time, and PulseAudio is spoken to by its socket. A
