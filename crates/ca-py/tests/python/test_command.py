@@ -19,7 +19,7 @@ def test_it_is_the_command(tmp_path):
         subprocess.run([*program, "check", "rattle", "--json"], capture_output=True, text=True, check=True).stdout
         for program in (COMMAND, [os.environ["CA"]])
     )
-    assert own == other and json.loads(own)["stability"]
+    assert own == other and json.loads(own)["summary"]
     sound = tmp_path / "a.wav"
     assert run("render", "rattle", "--seconds", "0.1", "-q", "-o", str(sound)).returncode == 0
     assert sound.stat().st_size > 1000

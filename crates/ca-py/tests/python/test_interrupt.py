@@ -57,7 +57,7 @@ path = tempfile.mkdtemp() + '/t.mcap'
 t = ca.record(keyed, path, 20.0, gesture={'key': 0.001})
 """
 CALLS |= {
-    "take, read": (TAKEN, "for _ in range(999): ca.Take(path).devices"),
+    "take, read": (TAKEN, "for _ in range(99_999): ca.Take(path).devices"),
     "take, view": (TAKEN, "for _ in range(999): t.view()"),
     "take, replay": (TAKEN, "for _ in range(999): t.replay()"),
 }
