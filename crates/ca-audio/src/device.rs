@@ -9,6 +9,7 @@ use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
 use ca_haptic::serve::audio::{Follow, PlaybackDevice, Watch, link};
+use ca_model::suggest::ticked;
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
     BufferSize, Device, ErrorKind, HostId, SampleFormat, StreamConfig, SupportedBufferSize, SupportedStreamConfigRange,
@@ -16,9 +17,10 @@ use cpal::{
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::channel;
 
-/// Frames a device is given at once where nobody says and it has a choice.
+/// Frames at once of a device that leaves the choice, if none are asked for.
 const BUFFER: u32 = 256;
-/// Opens what was asked for.
+
+/// Opens a device by name.
 pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), AudioError> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
@@ -78,8 +80,8 @@ fn find(wanted: &str) -> Result<(HostId, Device), AudioError> {
         return Ok((host.id(), device.ok_or_else(none)?));
     }
     if let Ok(id) = wanted.parse::<HostId>() {
-        let host = cpal::host_from_id(id).map_err(|e| AudioError::Failed(format!("`{wanted}`: {e}")))?;
-        let none = || AudioError::Failed(format!("`{wanted}` has no device that plays"));
+        let host = cpal::host_from_id(id).map_err(|e| AudioError::Failed(e.to_string()))?;
+        let none = || AudioError::Failed("it does not have a device that plays".into());
         return Ok((id, host.default_output_device().ok_or_else(none)?));
     }
     let is = |d: &Device| {
@@ -112,8 +114,7 @@ fn there_is() -> String {
     if names.is_empty() {
         return "there is none; a JACK or a PulseAudio server is one, `--audio jack` or `--audio pulse`".into();
     }
-    let ticked: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    format!("there is {}", ticked.join(", "))
+    format!("there is {}", ticked(names.iter().map(String::as_str)))
 }
 
 /// How a device plays a scene as it is, and how many frames it asks for at once.

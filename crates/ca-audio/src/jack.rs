@@ -39,7 +39,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
     let none = |_| {
         let how =
             "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
-        AudioError::Failed(format!("JACK: {how}"))
+        AudioError::Failed(how.into())
     };
     let (client, _) = Client::new("ca", ClientOptions::NO_START_SERVER).map_err(none)?;
     let (rate, frames) = (client.sample_rate() as u32, client.buffer_size());
@@ -54,7 +54,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
     }
     // one channel is heard on both sides
     let wide = if scene.channels == 1 { 2 } else { scene.channels };
-    let failed = |e: jack::Error| AudioError::Failed(format!("JACK: {e}"));
+    let failed = |e: jack::Error| AudioError::Failed(e.to_string());
     let ports: Vec<Port<AudioOut>> = (0..wide)
         .map(|k| client.register_port(&format!("out_{k}"), AudioOut))
         .collect::<Result<_, _>>()

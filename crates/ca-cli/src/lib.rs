@@ -20,7 +20,7 @@ use outcome::{Ended, Failure, Outcome};
 use std::ffi::OsString;
 use std::io::Write as _;
 
-/// Runs the command with these arguments, of which the first is its name, and returns its exit code. Results go to stdout,
+/// Runs the command with these arguments, its name first, and returns its exit code. Results go to stdout,
 /// messages to stderr. A shell that completes a line asks by the variable `COMPLETE` and gets only its answer.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args: Vec<OsString> = args.into_iter().collect();

@@ -11,7 +11,7 @@
 //! coupling that is made has to be right. The spring of the coupling and the links at their stiffest together make that
 //! stiffness. The damper takes energy out of the model behind it, which can store what the delay makes. With 3b/4 on a spring of
 //! b/(2κT), a device of 0.79 b is passive before any model. The mass between coupling and links is the lightest that the
-//! scheme allows. Where that is more than a tenth of the device, the hand would feel the mass: no coupling fits.
+//! scheme allows. If that is more than a tenth of the device, the hand would feel the mass, and no coupling fits.
 
 use crate::engine::{Setup, coupled};
 use crate::profile::Profile;
@@ -234,7 +234,7 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
 
 /// A compiled scene, with the couplings that its devices need.
 pub struct Met {
-    /// the scene; its findings are those of the model as it was written
+    /// the scene, with the findings of the model as it was written
     pub compiled: Compiled,
     /// keys that are softened
     pub softened: Vec<Softened>,

@@ -1,8 +1,12 @@
-//! "Did you mean": the candidate nearest to a word.
+//! "Did you mean": the candidate nearest to a word, and lists of words in a message.
 //!
 //! Decides that a difference of case alone always wins, and that further away than a third of the word nothing is
 //! suggested: a wrong suggestion costs more than none. Without the feature `parse` only the first rule holds, because
 //! the edit distance comes from a dependency.
+
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
 
 /// A list that is longer is not looked through to its end: nobody waits seconds for a guess.
 const MOST: usize = 10_000;
@@ -17,6 +21,11 @@ pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
         }
     }
     best.map(|b| b.1)
+}
+
+/// These words in ticks, with commas between them.
+pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
 }
 
 fn distance(a: &str, b: &str) -> Option<usize> {

@@ -63,7 +63,7 @@ fn level(sound: &[Vec<f64>], rate: f64, t0: f64, t1: f64) -> f64 {
     sound.iter().map(|c| db(peak(&c[(t0 * rate) as usize..(t1 * rate) as usize]))).fold(-300.0, f64::max)
 }
 
-/// What is wrong with a note of this key.
+/// Faults of a note of this key.
 fn faults(name: &str, scene: &Scene, key: u8) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut softer = f64::MIN;

@@ -70,7 +70,7 @@ pub(super) fn open(
     let (line, sink) = opened.map_err(|_| absent(""))?;
     let refused = |e: Error| AudioError::Unfit(format!("{NAME} does not play this: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
-        return Err(AudioError::Unfit(format!("{NAME} has no device to play on")));
+        return Err(AudioError::Unfit(format!("{NAME} does not have a device to play on")));
     };
     let wide = channels(&sink, scene)?;
     let hz = scene.rate;

@@ -15,7 +15,7 @@ use ca_core::equivalence::{Class, Equivalence, Gains, Pair, Quantity, ROWS, Scal
 use ca_core::kind::{ABOVE_ZERO, PortRole, Unit};
 use ca_core::scene::InputRole;
 use ca_model::diag::Diag;
-use ca_model::suggest::nearest;
+use ca_model::suggest::{nearest, ticked};
 use ca_model::{Entry, Model, Value};
 
 /// What a key's own table holds.
@@ -76,10 +76,6 @@ fn flatten<'m>(prefix: &str, e: &'m Entry, out: &mut Vec<(String, &'m Entry)>) {
     } else {
         out.push((name, e));
     }
-}
-
-fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
 }
 
 fn unknown(e: &Entry, keys: &[(String, [Option<u32>; 3])], v: &mut Values<'_>) {

@@ -8,7 +8,7 @@ use super::expander::{Expander, Home};
 use super::scope::Scope;
 use crate::diag::Diag;
 use crate::model::{Entry, Model, Span, Use, Value};
-use crate::text::reader::ticked;
+use crate::suggest::ticked;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::{Kind, Type};

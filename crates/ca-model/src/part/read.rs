@@ -3,8 +3,9 @@
 use crate::diag::Diag;
 use crate::model::{Entry, Part, Span, Use, Value};
 use crate::sections::{GROUP, IN_PART, SECTIONS, USE};
+use crate::suggest::ticked;
 use crate::text::entry::{Key, Val, article, ordered};
-use crate::text::reader::{Reader, ticked, unique};
+use crate::text::reader::{Reader, unique};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -7,13 +7,13 @@
 //! names and shapes are judged here; numbers, units and references are for the compiler.
 
 use super::entry::{Key, Val, article, ordered};
-use super::reader::{Reader, is_code, ticked, unique};
+use super::reader::{Reader, is_code, unique};
 use super::syntax::{self, Source};
 use crate::diag::{Diag, Diags};
 use crate::model::{Entry, Model};
 use crate::sections::{CURVES, GROUP, META, RATES, SECTIONS};
 use crate::select::is_word;
-use crate::suggest::nearest;
+use crate::suggest::{nearest, ticked};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;

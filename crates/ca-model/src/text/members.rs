@@ -3,12 +3,12 @@
 //! Decides that a group whose name is no name takes its modules with it, since they would have none either.
 
 use super::entry::{Key, article, ordered};
-use super::reader::{Reader, is_code, ticked};
+use super::reader::{Reader, is_code};
 use crate::diag::Diag;
 use crate::model::{Entry, Group, Item, Span};
 use crate::sections::GROUP;
 use crate::select::is_group;
-use crate::suggest::nearest;
+use crate::suggest::{nearest, ticked};
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::vec::Vec;

@@ -41,11 +41,6 @@ pub(crate) fn is_code(key: &str) -> bool {
     key.starts_with(|c: char| c.is_ascii_uppercase())
 }
 
-/// `a`, `b`, `c`
-pub(crate) fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
-}
-
 /// A model being read.
 pub(crate) struct Reader<'a, 's> {
     pub(crate) catalog: &'a Catalog,

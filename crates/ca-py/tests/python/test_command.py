@@ -1,4 +1,4 @@
-"""The command ``ca`` of the package, as a process of its own."""
+"""The command ``ca`` of the package, as a separate process."""
 
 import json
 import os
