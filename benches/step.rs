@@ -2,10 +2,10 @@
 //! LIA), so criterion prints modules per second; only ratios within one run count.
 #![allow(missing_docs)]
 
-use ca_benches::{mesh, model, random, scene, string};
-use ca_compile::KernelClass;
+use ca_benches::{catalog, mesh, model, random, scene, string};
+use ca_compile::{KernelClass, Options, load};
+use ca_core::numeric::Precision;
 use ca_core::tick;
-use ca_core_single as single;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn step(c: &mut Criterion) {
@@ -41,10 +41,11 @@ fn precision(c: &mut Criterion) {
         let mut state = scene.state();
         g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
         g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
-        let (catalog, options) = (ca_model_single::catalog(), ca_compile_single::Options::default());
-        let scene = ca_compile_single::load(&text, "bench.ca.toml", &catalog, &options).1.expect("the bench compiles");
+        let options = Options { precision: Precision::Single, ..Options::default() };
+        let scene = load(&text, "bench.ca.toml", &catalog(), &options).1.expect("the bench compiles").scene;
+        let scene = ca_lab::accuracy::single(&scene).expect("all laws are known");
         let mut state = scene.state();
-        g.bench_function("single", |b| b.iter(|| single::tick(&scene, &mut state)));
+        g.bench_function("single", |b| b.iter(|| tick(&scene, &mut state)));
         g.finish();
     }
 }

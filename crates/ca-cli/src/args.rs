@@ -223,7 +223,6 @@ pub enum Border {
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
   ca render hammered_string --energy --json
   ca render piano_key --latency 30 --no-feedback
-  ca render plate --threads 2
   ca render piano_key --border hold --set rate.filter='18 kHz'")]
 pub struct RenderArgs {
     /// the model
@@ -255,10 +254,8 @@ pub struct RenderArgs {
     /// Keeps the energy ledger for the whole length (slower)
     #[arg(long)]
     pub energy: bool,
-    /// Threads that play it: 2 for one big scene, in two halves that wait for each other in each tick, on two cores that
-    /// nobody else uses. The samples are the same to rounding, which collisions may amplify, and to the bit with
-    /// `--kernel reference`. Small scenes are slower by it
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=2))]
+    /// Has no effect: one thread plays a scene. Accepted for scripts that were written for earlier versions
+    #[arg(long, value_name = "N", default_value_t = 1, hide = true)]
     pub threads: u8,
     /// Which passes run the links; `reference` is slower, link by link, and may sum forces in another order: samples are then
     /// the same to rounding, which collisions may amplify to another course of the sound
@@ -464,6 +461,9 @@ fn speed(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SPEED, (1e-4, 10.0))
 }
 
+/// A time; also in minutes, which models do not have.
 fn seconds(text: &str) -> Result<f64, String> {
-    quantity_of(text, Unit::SECOND, (1e-6, 86_400.0))
+    let minutes = text.trim().strip_suffix("min").and_then(|n| n.trim().parse::<f64>().ok());
+    let text = minutes.map_or_else(|| text.to_owned(), |n| format!("{} s", n * 60.0));
+    quantity_of(&text, Unit::SECOND, (1e-6, 86_400.0))
 }

@@ -9,6 +9,7 @@ mod args;
 mod commands;
 mod load;
 mod outcome;
+mod outputs;
 mod page;
 mod store;
 mod term;

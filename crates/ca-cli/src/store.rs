@@ -8,7 +8,7 @@ use crate::{load, term};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::profile::{Profile, SHIPPED};
 use ca_model::suggest::nearest;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The directory.
 pub fn dir() -> PathBuf {
@@ -24,13 +24,16 @@ pub fn calibration_file(device: &str) -> PathBuf {
     dir().join("calibration").join(format!("{device}.toml"))
 }
 
+/// The file of a profile that is not one of ours.
+pub fn profile_file(word: &str) -> Option<PathBuf> {
+    let own = dir().join("profiles").join(format!("{word}.toml"));
+    [PathBuf::from(word), own].into_iter().find(|path| path.is_file())
+}
+
 /// A profile by file or name.
 pub fn profile(word: &str) -> Result<Profile, Failure> {
-    let own = dir().join("profiles").join(format!("{word}.toml"));
-    for path in [Path::new(word), &own] {
-        if path.is_file() {
-            return Ok(Profile::read(&load::text(path)?, &path.display().to_string())?);
-        }
+    if let Some(path) = profile_file(word) {
+        return Ok(Profile::read(&load::text(&path)?, &path.display().to_string())?);
     }
     Profile::shipped(word).ok_or_else(|| {
         let hint = match nearest(word, SHIPPED.iter().map(|s| s.0)) {

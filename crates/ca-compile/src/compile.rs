@@ -1,7 +1,7 @@
 //! Compile: all passes, one after the other, from a model to a scene.
 //!
 //! Decides that the order of the passes stands in this one file: a pass knows the network and none of those behind it. What is
-//! asked for besides a scene, its halves or its linear part, takes the same way as far as the network goes.
+//! asked for besides a scene, its linear part, takes the same way as far as the network goes.
 
 use crate::certify::certify;
 use crate::connect::{coupling, hands, wire};
@@ -13,17 +13,12 @@ use crate::net::Pruned;
 use crate::net::linear::Purpose;
 use crate::options::{KernelClass, Options};
 use crate::passes::slow::SlowPart;
-use crate::passes::{implicit, modal, pefrl, prune, reach, single, slow, solve_order, specialise, waves};
-use crate::split::{cut, half, rates};
+use crate::passes::{implicit, modal, pefrl, prune, rates, reach, single, slow, solve_order, specialise, waves};
 use alloc::boxed::Box;
-use alloc::collections::BTreeMap;
-use alloc::string::String;
-use alloc::vec::Vec;
-use ca_core::Catalog;
 use ca_core::kind::Unit;
-use ca_core::numeric::SINGLE;
+use ca_core::numeric::Precision;
 use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Halves, Scene};
+use ca_core::{Catalog, Scene};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
 
@@ -66,7 +61,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     reach::mark(&mut net);
-    if SINGLE {
+    if options.precision == Precision::Single {
         single::check(model, &net, &mut diags);
     }
     Ok((net, diags))
@@ -191,40 +186,4 @@ fn order(net: &Pruned, options: &Options) -> ordering::Storage {
         KernelClass::Fast | KernelClass::Listed => ordering::storage(net),
         KernelClass::Reference => ordering::document(net),
     }
-}
-
-/// Compiles a model once more, as two halves for two threads; `whole` is what [`compile`] made of it with the same options.
-///
-/// # Errors
-/// Why it is not cut, as the end of a sentence: for want of two parts of some size, or since something in it, or the
-/// energy ledger, needs all of it in each tick.
-pub fn halves(model: &Model, catalog: &Catalog, options: &Options, whole: &Scene) -> Result<Halves, String> {
-    if options.energy {
-        return Err("the energy ledger adds up all of it in each tick".into());
-    }
-    let pruned = || {
-        let (mut net, mut diags) = network(model, catalog, options).map_err(|_| "it has errors")?;
-        modal::modal(model, &mut net, &mut diags);
-        solve_order::choose_modes(&mut net);
-        Ok::<Pruned, &str>(net)
-    };
-    let net = pruned()?;
-    if let Some(why) = cut::obstacle(&net) {
-        return Err(why.into());
-    }
-    let cut = cut::cut(&net, &order(&net, options).order).ok_or("all of it is solved at once, or moves as one")?;
-    let across = half::across(&net, &cut);
-    let alive: Vec<u32> = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
-    let place: BTreeMap<u32, u32> = alive.into_iter().zip(whole.symbols.places().iter().copied()).collect();
-    let mut nets = [net, pruned()?];
-    let [first, second] = &mut nets;
-    let kept = [half::keep(first, &cut, false), half::keep(second, &cut, true)];
-    let half = |this: usize| {
-        let (net, mut diags) = (&nets[this], Diags::new());
-        let certificate = whole.certificate.clone();
-        let scene = schedule::schedule(model, net, &order(net, options), options, certificate, None, &mut diags);
-        scene.map(|scene| half::half(net, &kept[this], scene, &place, &kept[1 - this].ghosts))
-    };
-    let (Some(first), Some(second)) = (half(0), half(1)) else { return Err("a half of it is no scene".into()) };
-    Ok(Halves { halves: [first, second], share: cut.share, across })
 }

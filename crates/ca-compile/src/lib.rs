@@ -5,7 +5,6 @@
 //!         units, ranges,     ends of links,    methods,          bounds on stability;
 //!         parameters         taps of outputs   cheaper laws      order, arrays, passes
 //! ```
-//! On request ([`halves`]) the pruned network is cut in two before `emit`, for two threads.
 //!
 //! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
 //! push findings into one list, so an author sees everything at once. The folders are in the order of work, and each
@@ -31,12 +30,11 @@ mod lower;
 mod net;
 mod options;
 mod passes;
-mod split;
 
 /// Most degrees of freedom of a network whose modes are computed: the matrix is dense.
 pub const MOST_MODES: usize = 4000;
 
-pub use compile::{Compiled, compile, halves, measured};
+pub use compile::{Compiled, compile, measured};
 #[cfg(feature = "analysis")]
 pub use compile::{linear, linear_tick};
 pub use emit::cost;

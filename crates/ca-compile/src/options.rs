@@ -3,6 +3,7 @@
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::kind::cloud::Clouds;
+use ca_core::numeric::Precision;
 use ca_core::scene::Coupling;
 
 /// Which passes run the links.
@@ -63,6 +64,9 @@ pub struct Options {
     pub whole: bool,
     /// device ports that are coupled to their links, since their device cannot render these
     pub couplings: Vec<Coupling>,
+    /// the number that the scene is bound to ([`Scene::bind`](ca_core::Scene::bind)): in single precision what that does not keep is
+    /// refused, and only for double precision kernels in vectors are taken
+    pub precision: Precision,
     /// begin as by this older [`ca_core::ARITHMETIC`], for takes; as by the one of now if `None`
     pub arithmetic: Option<u32>,
 }

@@ -89,39 +89,39 @@ pub trait Phi<const C: usize, const M: usize> {
 
     /// The elongations from … to at which there is no force, for [`Phi::CONTACT`]; kernels in space then skip the square
     /// root, of laws without memory. The finite end is where the slopes of [`Phi::bound`] are those at rest.
-    fn idle(_c: &[Real; C]) -> (Real, Real) {
-        (Real::INFINITY, Real::NEG_INFINITY)
+    fn idle<R: Real>(_c: &[R; C]) -> (R, R) {
+        (R::INFINITY, R::NEG_INFINITY)
     }
 
     /// Coefficients per tick from the parameters in SI (in the order of `Kind::params`) and the tick, `tick_dt` \[s\].
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; C];
 
     /// Memory at load, for elongation `e`.
-    fn start(_c: &[Real; C], _e: Real) -> [Real; M] {
+    fn start<R: Real>(_c: &[R; C], _e: R) -> [R; M] {
         [real(0.0); M]
     }
 
     /// The force \[N\], F > 0 pulls the ends together.
-    fn force(c: &[Real; C], mem: &mut [Real; M], tables: &[Table], e: Real, w: Real) -> Real;
+    fn force<R: Real>(c: &[R; C], mem: &mut [R; M], tables: &[Table<R>], e: R, w: R) -> R;
 
     /// Potential energy \[J\] at elongation `e`. This, `stored` and `lost` get the memory as the force of the tick left it.
     #[inline(always)]
-    fn potential(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: Real) -> Real {
+    fn potential<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: R) -> R {
         real(0.0)
     }
 
     /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
     /// form.
     #[inline(always)]
-    fn stored(c: &[Real; C], mem: &[Real; M], tables: &[Table], e0: Real, e1: Real) -> Real {
-        0.5 * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
+    fn stored<R: Real>(c: &[R; C], mem: &[R; M], tables: &[Table<R>], e0: R, e1: R) -> R {
+        R::of(0.5) * (Self::potential(c, mem, tables, e0) + Self::potential(c, mem, tables, e1))
     }
 
     /// Energy turned to heat during a tick \[J\], ≥ 0, from the elongations at the tick before, at it, and after. The force was
     /// that at `e[1]`, with `w = e[1] − e[0]`. Of a law with memory it includes what `stored` gives up as memory changes at
     /// that tick, which such a law remembers.
     #[inline(always)]
-    fn lost(_c: &[Real; C], _mem: &[Real; M], _tables: &[Table], _e: [Real; 3]) -> Real {
+    fn lost<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: [R; 3]) -> R {
         real(0.0)
     }
 
@@ -136,13 +136,15 @@ pub trait Phi<const C: usize, const M: usize> {
     }
 }
 
+/// Memory of a link at load: coefficients, elongation and its change per tick, memory.
+pub type Start<R = f64> = fn(&[R], [R; 2], &mut [R]);
 /// The force of a link: coefficients, memory, tables, elongation, change of elongation per tick.
-pub type Force = fn(&[Real], &mut [Real], &[Table], Real, Real) -> Real;
+pub type Force<R = f64> = fn(&[R], &mut [R], &[Table<R>], R, R) -> R;
 /// Energy stored by a link: coefficients, memory, tables, elongations before and after.
-pub type Stored = fn(&[Real], &[Real], &[Table], Real, Real) -> Real;
+pub type Stored<R = f64> = fn(&[R], &[R], &[Table<R>], R, R) -> R;
 /// Heat of a link: coefficients, memory, tables, the elongations before, at and after the tick.
-pub type Lost = fn(&[Real], &[Real], &[Table], [Real; 3]) -> Real;
+pub type Lost<R = f64> = fn(&[R], &[R], &[Table<R>], [R; 3]) -> R;
 /// Where a contact has no force: coefficients; the elongations from … to (see [`Phi::idle`]).
-pub type Idle = fn(&[Real]) -> (Real, Real);
+pub type Idle<R = f64> = fn(&[R]) -> (R, R);
 /// Largest slopes of a link between two elongations: coefficients, tables, the elongations (see [`Phi::steepest`]).
 pub type Steepest = fn(&[f64], &[Table], [f64; 2]) -> [f64; 2];

@@ -22,13 +22,10 @@
 //! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
 //! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
-//! A tick computes with [`numeric::Real`]: `f64` in `ca-core`, and `f32` in `ca-core-single`, dual numbers in
-//! `ca-core-dual`, which are these files under other names. Features: `std` (default) finds the widest instructions of the
-//! machine at run time.
+//! A tick computes with a [`numeric::Real`]: `f64`, or the number that a scene is bound to ([`Scene::bind`]), `f32` or a number with
+//! derivatives. Features: `std` (default) finds the widest instructions of the machine at run time.
 #![no_std]
 #![forbid(unsafe_code)]
-// a number with its derivatives is as large as a cache line
-#![cfg_attr(dual, allow(clippy::large_types_passed_by_value, clippy::unnecessary_min_or_max))]
 
 extern crate alloc;
 #[cfg(feature = "std")]
@@ -46,6 +43,7 @@ pub mod mat;
 pub mod method;
 pub mod numeric;
 pub mod op;
+mod passes;
 pub mod phi;
 pub mod pointer;
 pub mod scene;

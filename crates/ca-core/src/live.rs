@@ -8,7 +8,7 @@
 use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::numeric::{Outer, Plain, Real, inner, lift, outer, real, wide};
+use crate::numeric::{Plain, Real, inner, outer, real, wide};
 use crate::op::Law;
 use crate::state::{Identity, State};
 use crate::tuning::Scheme;
@@ -188,6 +188,8 @@ impl core::error::Error for Refused {}
 pub struct Controls {
     plan: LivePlan,
     tick_dt: f64,
+    /// whether a coefficient is finite as a number of the tick
+    finite: fn(f64) -> bool,
     room: Scratch,
 }
 
@@ -211,7 +213,13 @@ struct Scratch {
 impl Controls {
     /// The parameters at their values at load; `tick_dt` is that of a tick \[s\].
     pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
-        Controls { plan: plan.clone(), tick_dt, room: Scratch::default() }
+        Controls { plan: plan.clone(), tick_dt, finite: f64::is_finite, room: Scratch::default() }
+    }
+
+    /// The same for a scene over `R`: a value whose coefficients are not finite there is refused.
+    #[must_use]
+    pub fn over<R: Real>(self) -> Controls {
+        Controls { finite: |v| R::of(v).is_finite(), ..self }
     }
 
     /// The parameters, with their present values.
@@ -281,7 +289,7 @@ impl Controls {
             patch.set.retain(|(place, _)| self.plan.driven_coefs.binary_search(place).is_err());
         }
         let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
-        if !follows || patch.set.iter().any(|(_, v)| !real(*v).is_finite()) {
+        if !follows || patch.set.iter().any(|(_, v)| !(self.finite)(*v)) {
             let name = &self.plan.params[p].name;
             return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));
         }
@@ -348,26 +356,26 @@ impl Loader {
     }
 }
 
-impl State {
+impl<R: Real> State<R> {
     /// Starts moving the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
     /// next tick on. All of one patch arrive in the same tick. Does not allocate. Returns false, having changed
     /// nothing, where the patch is of another scene or holds a value that is not finite.
     pub fn apply(&mut self, patch: &Patch, ticks: u32) -> bool {
         let n = self.ramps.left.len();
-        if patch.scene != self.scene || patch.set.iter().any(|(i, v)| *i as usize >= n || !real(*v).is_finite()) {
+        if patch.scene != self.scene || patch.set.iter().any(|(i, v)| *i as usize >= n || !R::of(*v).is_finite()) {
             return false;
         }
         // half-way between two factors is the factor of neither scene: with them all of the patch comes in one tick
         let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
-            self.ramp(*i as usize, lift(*v), ticks);
+            self.ramp(*i as usize, real(*v), ticks);
         }
         true
     }
 
     /// Live coefficient number `i` goes to `v` over so many ticks, unless it is there or on its way.
-    pub(crate) fn turn(&mut self, i: usize, v: Real, ticks: u32) {
+    pub(crate) fn turn(&mut self, i: usize, v: R, ticks: u32) {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
         if wide(goal).to_bits() != wide(v).to_bits() {
@@ -375,7 +383,7 @@ impl State {
         }
     }
 
-    fn ramp(&mut self, i: usize, v: Outer, ticks: u32) {
+    fn ramp(&mut self, i: usize, v: R::Outer, ticks: u32) {
         let r = &mut self.ramps;
         if r.left[i] == 0 {
             r.active[r.moving] = i as u32;
@@ -383,6 +391,6 @@ impl State {
         }
         r.left[i] = ticks;
         r.target[i] = inner(v);
-        r.step[i] = inner((v - outer(self.coef[r.index[i] as usize])) / f64::from(ticks));
+        r.step[i] = inner((v - outer(self.coef[r.index[i] as usize])) / real(f64::from(ticks)));
     }
 }

@@ -18,7 +18,6 @@
 //! hundredth of that. Laws that stiffen with the cube of their length, which no certificate covers far from rest, are not
 //! pressed to where they diverge.
 
-use crate::numeric::{real, wide};
 use crate::scene::certificate::{Certificate, Level};
 use crate::scene::{InputRole, Location, Scene};
 use crate::state::State;
@@ -175,14 +174,14 @@ impl Pointer {
 
     /// Stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.
     pub fn coupling(&self, scene: &Scene, s: &State) -> [f64; 2] {
-        let c = s.coef[self.inertia..][..self.axes].iter().map(|c| wide(*c)).fold(0.0, f64::max);
+        let c = s.coef[self.inertia..][..self.axes].iter().copied().fold(0.0, f64::max);
         [self.spring / c, self.damper / c * scene.sample_dt]
     }
 
     /// Begins where the mass is: with no force, however it moves.
     pub fn hold(&mut self, s: &State) {
         for k in 0..self.axes {
-            self.at[k] = wide(s.x[self.place + k]);
+            self.at[k] = s.x[self.place + k];
         }
         (self.to, self.step, self.left) = (self.at, [0.0; 3], 0);
     }
@@ -203,7 +202,7 @@ impl Pointer {
     pub fn prepare(&mut self, s: &State) {
         let moves = self.left > 0;
         for k in 0..self.axes {
-            let (x, d) = (wide(s.x[self.place + k]), wide(s.d[self.place + k]));
+            let (x, d) = (s.x[self.place + k], s.d[self.place + k]);
             let step = if moves { self.step[k] } else { 0.0 };
             self.before[k] = d;
             let most = self.spring * STRETCH * self.reach;
@@ -217,14 +216,14 @@ impl Pointer {
     pub fn apply(&mut self, s: &mut State) {
         let mut work = 0.0;
         for k in 0..self.axes {
-            let c = wide(s.coef[self.inertia + k]);
+            let c = s.coef[self.inertia + k];
             if c == 0.0 {
                 continue;
             }
-            let add = real(self.add[k]);
+            let add = self.add[k];
             s.d[self.place + k] += add;
             s.x[self.place + k] += add;
-            work += wide(add) / c * 0.5 * (self.before[k] + wide(s.d[self.place + k]));
+            work += add / c * 0.5 * (self.before[k] + s.d[self.place + k]);
         }
         if let Some(ledger) = &mut s.ledger {
             ledger.pulled += work;
@@ -257,13 +256,13 @@ fn coupling(most: f64, sample_dt: f64) -> (f64, f64) {
 /// gesture.
 fn reach(scene: &Scene) -> f64 {
     let s = &scene.initial;
-    let places = s.x.iter().map(|x| wide(*x).abs());
-    let thrown = s.d.iter().map(|d| wide(*d).abs() * scene.rate * THROW);
+    let places = s.x.iter().map(|x| x.abs());
+    let thrown = s.d.iter().map(|d| d.abs() * scene.rate * THROW);
     let driven = scene
         .gestures
         .iter()
         .filter(|(name, _)| scene.inputs.iter().any(|i| i.name == *name && i.role != InputRole::Force));
     let driven = driven.flat_map(|(_, points)| points.iter().map(|p| p[1].abs()));
-    let lengths = scene.layout.reach.iter().map(|r| libm::sqrt(r[..3].iter().map(|v| wide(*v) * wide(*v)).sum()));
+    let lengths = scene.layout.reach.iter().map(|r| libm::sqrt(r[..3].iter().map(|v| *v * *v).sum()));
     places.chain(thrown).chain(driven).chain(lengths).filter(|v| v.is_finite()).fold(REACH, f64::max)
 }

@@ -4,7 +4,7 @@
 //! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
 //! that binds one to the other would save this compare, and borrow the state from everybody who looks at it.
 
-use crate::numeric::Outer;
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::scene::Scene;
 use crate::state::State;
@@ -14,7 +14,7 @@ use crate::state::State;
 /// # Panics
 /// Where the state is not of this scene (nothing has changed then), or the length of one of its arrays was changed.
 #[inline]
-pub fn tick(scene: &Scene, s: &mut State) {
+pub fn tick<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     own(scene, s);
     forces(scene, s);
     motion(scene, s);
@@ -26,7 +26,7 @@ pub fn tick(scene: &Scene, s: &mut State) {
 /// # Panics
 /// As [`tick`].
 #[inline]
-pub fn compute_forces(scene: &Scene, s: &mut State) {
+pub fn compute_forces<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     own(scene, s);
     forces(scene, s);
 }
@@ -36,7 +36,7 @@ pub fn compute_forces(scene: &Scene, s: &mut State) {
 /// # Panics
 /// As [`tick`].
 #[inline]
-pub fn integrate(scene: &Scene, s: &mut State) {
+pub fn integrate<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     own(scene, s);
     motion(scene, s);
 }
@@ -48,7 +48,7 @@ pub fn integrate(scene: &Scene, s: &mut State) {
 /// # Panics
 /// Where the length of an array of the state was changed.
 #[must_use = "false means that nothing was played"]
-pub fn process(scene: &Scene, s: &mut State, out: &mut [Outer]) -> bool {
+pub fn process<R: Real>(scene: &Scene<R>, s: &mut State<R>, out: &mut [R::Outer]) -> bool {
     let row = scene.n_out.max(1);
     if s.scene != scene.identity() || !out.len().is_multiple_of(row) {
         return false;
@@ -65,7 +65,7 @@ pub fn process(scene: &Scene, s: &mut State, out: &mut [Outer]) -> bool {
 
 /// Refuses a state of another scene.
 #[inline]
-fn own(scene: &Scene, s: &State) {
+fn own<R: Real>(scene: &Scene<R>, s: &State<R>) {
     if s.scene != scene.identity() {
         foreign(scene);
     }
@@ -73,12 +73,12 @@ fn own(scene: &Scene, s: &State) {
 
 #[cold]
 #[inline(never)]
-fn foreign(scene: &Scene) -> ! {
+fn foreign<R: Real>(scene: &Scene<R>) -> ! {
     panic!("the state is not of the scene `{}`: make it by `scene.state()` of the scene that is played", scene.title)
 }
 
 #[inline]
-fn forces(scene: &Scene, s: &mut State) {
+fn forces<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     // list by list: one iterator over all asks at each pass which list it is in
     for list in [&scene.reads[..], scene.summed(), &scene.writes] {
         run(list, scene, s);
@@ -86,13 +86,13 @@ fn forces(scene: &Scene, s: &mut State) {
 }
 
 #[inline]
-fn motion(scene: &Scene, s: &mut State) {
+fn motion<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     run(&scene.moves, scene, s);
     s.tick += 1;
 }
 
 #[inline]
-fn run(list: &[Op], scene: &Scene, s: &mut State) {
+fn run<R: Real>(list: &[Op<R>], scene: &Scene<R>, s: &mut State<R>) {
     for op in list {
         (op.kernel)(op, &scene.layout, s);
     }

@@ -5,7 +5,8 @@
 //! is closed at load on one side only) agrees at no step and is refused.
 
 use crate::{Error, Parameter};
-use ca_core_dual::numeric::Dual;
+use ca_core::Scene;
+use ca_core::state::Identity;
 use std::ops::Range;
 
 /// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
@@ -36,8 +37,8 @@ const ONE_SIDED: [[f64; 9]; 2] = [
 
 /// A scene as it begins: what decides how it runs, and its numbers.
 pub struct Start {
-    /// as [`Scene::structure`](ca_core::Scene::structure), in words: of scenes of two crates
-    structure: String,
+    /// as [`Scene::structure`]
+    structure: Identity,
     numbers: Vec<f64>,
     /// curves that ports are given, which carry no derivatives
     gestures: Vec<(String, Vec<[f64; 2]>)>,
@@ -45,12 +46,11 @@ pub struct Start {
     alike: Vec<Range<usize>>,
 }
 
-/// What is there of a scene, in plain numbers or in dual ones, which `value` makes plain; its numbers are 0 afterwards.
-macro_rules! start {
-    ($scene:expr, $value:expr) => {{
-        let scene = $scene;
+impl Start {
+    /// What there is of a scene; its numbers are 0 afterwards.
+    pub fn of(scene: &mut Scene) -> Start {
         let mut numbers = Vec::new();
-        scene.numbers(&mut |v| numbers.push($value(v)));
+        scene.numbers(&mut |v| numbers.push(*v));
         // as `Scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
         let l = &scene.layout;
         let lengths = [4 * l.reach.len(), l.e0.len(), l.rest.len(), l.shares.len(), l.couplings.len()];
@@ -60,17 +60,7 @@ macro_rules! start {
             first - n..first
         });
         let gestures = std::mem::take(&mut scene.gestures);
-        Start { alike: alike.to_vec(), structure: format!("{:?}", scene.structure()), numbers, gestures }
-    }};
-}
-
-impl Start {
-    pub fn of_dual(scene: &mut ca_core_dual::Scene) -> Start {
-        start!(scene, |v: &Dual| v.value())
-    }
-
-    pub fn of_plain(scene: &mut ca_core::Scene) -> Start {
-        start!(scene, |v: &f64| *v)
+        Start { alike: alike.to_vec(), structure: scene.structure(), numbers, gestures }
     }
 
     /// True where all numbers lie on lines through what they are, but for rounding: of one step and of two, up and down.

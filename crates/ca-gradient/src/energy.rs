@@ -1,6 +1,6 @@
 //! Energy: the accounts of energy of a scene, with their derivatives, at some instants.
 //!
-//! Decides for the ledger of the tick itself over dual numbers ([`ca_core_dual::state::Ledger`], whose accounts carry derivatives in
+//! Decides for the ledger of the tick itself over dual numbers ([`ca_core::state::Ledger`], whose accounts carry derivatives in
 //! that build): what a law stores and loses is written once, for the ledger of a render and for this. The identity of the ledger
 //! holds for each derivative as for the accounts, `h = h0 + work − lost + scheme_error + changed + residual`, with a residual
 //! that is rounding. A type beside [`Forward`], not a call of it: the scene is another one, whose passes keep the ledger, so that
@@ -9,8 +9,8 @@
 
 use crate::played::{Played, diverged, zeros};
 use crate::{Error, Forward, GoesOn, Parameter};
-use ca_core_dual::numeric::{Dual, TANGENTS};
-use ca_core_dual::state::Balance;
+use ca_core::numeric::{Dual, TANGENTS};
+use ca_core::state::Balance;
 use ca_io::gesture::Gesture;
 use cordis_anima::{Loaded, Options};
 
@@ -146,7 +146,7 @@ fn after(k: usize, instants: usize, frames: usize) -> usize {
 }
 
 /// In the order of [`ACCOUNTS`].
-fn accounts(b: &Balance) -> [Dual; ACCOUNTS.len()] {
+fn accounts(b: &Balance<Dual>) -> [Dual; ACCOUNTS.len()] {
     // who adds an account is asked here what to do with it
     let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _, received: _ } = *b;
     [h0, h, lost, scheme_error, work, changed, residual]

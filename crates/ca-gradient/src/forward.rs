@@ -7,35 +7,31 @@
 //! needs none of it.
 
 use crate::difference::{Start, derivatives};
-use crate::parameter::put_dual;
+use crate::parameter::put;
 use crate::parts::Parts;
 use crate::parts::numbers::Numbers;
 use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
-use ca_compile_dual::load::finish;
-use ca_core_dual::kind::cloud::{Cloud, Clouds, Unread};
-use ca_core_dual::numeric::{Dual, TANGENTS};
-use ca_core_dual::state::State;
-use ca_core_dual::{Catalog, Scene, tick};
+use ca_compile::load::finish;
+use ca_core::numeric::{Dual, Precision, TANGENTS};
+use ca_core::{Catalog, Scene, State, tick};
 use ca_io::gesture::Gesture;
 use ca_io::perform::DIVERGED;
-use ca_model::write::write;
-use ca_model_dual::diag::{Diags, Severity};
-use ca_model_dual::{Model, read};
-use cordis_anima::{Loaded, Options};
-use std::sync::Arc;
+use ca_model::Model;
+use ca_model::diag::Diags;
+use cordis_anima::{Loaded, Options, catalog, laws};
 
 /// A scene, with the derivatives of all that it begins with.
 pub struct Forward {
     /// in double precision, for its ports
-    pub(crate) plain: ca_core::Scene,
+    pub(crate) plain: Scene,
     parameters: Vec<Parameter>,
     /// of each parameter, the derivatives of the numbers of the scene
     derivatives: Vec<Vec<f64>>,
     model: Model,
     catalog: Catalog,
-    options: ca_compile_dual::Options,
+    options: Options,
     /// plays it by its own passes, if it is linear for the most part
     tangent: Option<Tangent>,
 }
@@ -92,13 +88,13 @@ impl Forward {
         loaded: &Loaded,
         options: &Options,
         wrt: &[&str],
-        by_passes: fn(&ca_core::Scene, &Parts) -> bool,
+        by_passes: fn(&Scene, &Parts) -> bool,
     ) -> Result<Forward, Error> {
         let (mut forward, mut scene) = Forward::begun(loaded, options, wrt)?;
         if let Some(parts) = Tangent::parts(&forward.plain).filter(|parts| by_passes(&forward.plain, parts)) {
             let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
             let numbers = Numbers::new(loaded, &options, &forward.parameters)?;
-            forward.tangent = Tangent::new(&forward.plain, parts, scene, numbers);
+            forward.tangent = Tangent::new(&forward.plain, parts, over_dual(&scene)?, numbers);
             if forward.tangent.is_some() {
                 return Ok(forward);
             }
@@ -117,11 +113,11 @@ impl Forward {
 
     /// With the derivatives of the numbers that its `scene` begins with.
     fn differenced(mut self, mut scene: Scene) -> Result<Forward, Error> {
-        let start = Start::of_dual(&mut scene);
+        let start = Start::of(&mut scene);
         for p in &self.parameters {
             let other = |value: f64| {
-                let mut other = self.compiled(&put_dual(p, &self.model, value))?;
-                Ok(Start::of_dual(&mut other))
+                let mut other = self.compiled(&put(p, &self.model, value))?;
+                Ok(Start::of(&mut other))
             };
             let all = derivatives(&start, p, &other)?;
             self.derivatives.push(all);
@@ -129,22 +125,18 @@ impl Forward {
         Ok(self)
     }
 
-    /// The same without derivatives of the numbers that it begins with, and the scene over dual numbers.
+    /// The same without derivatives of the numbers that it begins with, and the scene to be bound to dual numbers.
     pub(crate) fn begun(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<(Forward, Scene), Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let plain = loaded.compile(&options)?.scene;
-        let text = write(&loaded.model);
-        let catalog = ca_model_dual::catalog().with(ca_lpr_dual::KINDS);
-        let (model, found) = read::read(&text, &loaded.model.file, &catalog);
-        if found.has_errors() {
-            return Err(Error::refused(format!("the model is not read again: {}", first(found))));
-        }
-        let options = ca_compile_dual::Options {
+        let (model, catalog) = (loaded.model.clone(), catalog());
+        let options = Options {
             rate: options.rate,
             probes: options.probes,
-            clouds: clouds(loaded),
+            clouds: loaded.clouds.clone(),
             whole: options.whole,
-            ..ca_compile_dual::Options::default()
+            precision: Precision::Dual,
+            ..Options::default()
         };
         let forward = Forward {
             plain,
@@ -164,7 +156,7 @@ impl Forward {
     }
 
     /// The scene in double precision, and by what is differentiated.
-    pub(crate) fn into_parts(self) -> (ca_core::Scene, Vec<Parameter>) {
+    pub(crate) fn into_parts(self) -> (Scene, Vec<Parameter>) {
         (self.plain, self.parameters)
     }
 
@@ -270,7 +262,7 @@ impl Forward {
         &self,
         played: &Played,
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &State),
+        heard: &mut impl FnMut(usize, &State<Dual>),
         goes_on: GoesOn,
     ) -> Result<(), Error> {
         if let Some(tangent) = &self.tangent {
@@ -281,7 +273,7 @@ impl Forward {
                 if asks && !goes_on() { Err(Error::Stopped) } else { Ok(()) }
             });
         }
-        let mut scene = self.compiled(&self.model).map_err(Error::Refused)?;
+        let mut scene = over_dual(&self.compiled(&self.model).map_err(Error::Refused)?)?;
         let columns = &self.derivatives[some];
         let mut i = 0;
         scene.numbers(&mut |v: &mut Dual| {
@@ -307,26 +299,11 @@ impl Forward {
     }
 
     fn compiled(&self, model: &Model) -> Result<Scene, String> {
-        finish(model, Diags::new(), &self.catalog, &self.options).map(|c| c.scene).map_err(first)
+        finish(model, Diags::new(), &self.catalog, &self.options).map(|c| c.scene).map_err(|diags| Error::first(&diags))
     }
 }
 
-/// The first error among findings.
-fn first(diags: Diags) -> String {
-    let error = diags.list.into_iter().find(|d| d.severity == Severity::Error);
-    error.map(|d| d.title).unwrap_or_default()
-}
-
-/// What the files of a model hold, for the other compiler.
-fn clouds(loaded: &Loaded) -> Clouds {
-    let cloud = |c: &ca_core::kind::cloud::Cloud| Cloud {
-        points: c.points.clone(),
-        edges: c.edges.clone(),
-        merged: c.merged,
-        flat: c.flat,
-    };
-    let unread = |u: &ca_core::kind::cloud::Unread| Unread { what: u.what.clone(), help: u.help.clone() };
-    let each =
-        loaded.clouds.iter().map(|(name, c)| (name.clone(), c.as_ref().map(|c| Arc::new(cloud(c))).map_err(unread)));
-    each.collect()
+/// A scene over dual numbers.
+pub(crate) fn over_dual(scene: &Scene) -> Result<Scene<Dual>, Error> {
+    scene.bind(&laws()).map_err(|why| Error::Refused(why.to_string()))
 }

@@ -5,10 +5,10 @@
 //! that is the name of a `[param]`, or a multiple of one, is moved there alone; whoever means all places names that.
 
 use crate::Error;
-use ca_core_dual::Catalog;
-use ca_core_dual::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_model_dual::suggest::nearest;
-use ca_model_dual::{Entry, Model, Value, quantity};
+use ca_core::Catalog;
+use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_model::suggest::nearest;
+use ca_model::{Entry, Model, Value, quantity};
 
 /// A parameter by which is differentiated.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,57 +50,40 @@ impl Parameter {
     }
 }
 
-/// What is the same of a model for plain numbers and of one for dual ones, whose types differ.
-macro_rules! models {
-    ($module:ident, $crate_of_model:ident) => {
-        /// Of one kind of model.
-        mod $module {
-            use super::{Parameter, split};
-            use $crate_of_model::{Entry, Model, Value};
-
-            /// What is written at a name.
-            pub fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
-                if let Some(e) = model.params.iter().find(|e| e.key == name) {
-                    return Some(e);
-                }
-                let (owner, key) = name.rsplit_once('.')?;
-                let args = match owner {
-                    "model" => &model.meta,
-                    "rate" => &model.rate,
-                    _ => &model.items.iter().find(|i| i.name == owner)?.args,
-                };
-                args.iter().find(|e| e.key == key)
-            }
-
-            /// The model with a parameter at `value`.
-            pub fn put(p: &Parameter, model: &Model, value: f64) -> Model {
-                let mut other = model.clone();
-                let unit = &p.unit;
-                let written = if unit.is_empty() { Value::Num(value) } else { format!("{value:e} {unit}").into() };
-                let (whole, index) = split(&p.name);
-                let list = index.and_then(|i| match entry(model, whole).map(|e| &e.value) {
-                    Some(Value::List(list)) => Some((i, list.clone())),
-                    _ => None,
-                });
-                let to = match list {
-                    Some((i, mut list)) => {
-                        list[i] = Entry::new("", written);
-                        Value::List(list)
-                    }
-                    None => written,
-                };
-                other.put(whole, to);
-                other
-            }
-        }
+/// What is written at a name.
+fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
+    if let Some(e) = model.params.iter().find(|e| e.key == name) {
+        return Some(e);
+    }
+    let (owner, key) = name.rsplit_once('.')?;
+    let args = match owner {
+        "model" => &model.meta,
+        "rate" => &model.rate,
+        _ => &model.items.iter().find(|i| i.name == owner)?.args,
     };
+    args.iter().find(|e| e.key == key)
 }
 
-models!(plain, ca_model);
-models!(dual, ca_model_dual);
-use dual::entry;
-pub(crate) use dual::put as put_dual;
-pub(crate) use plain::put;
+/// The model with a parameter at `value`.
+pub(crate) fn put(p: &Parameter, model: &Model, value: f64) -> Model {
+    let mut other = model.clone();
+    let unit = &p.unit;
+    let written = if unit.is_empty() { Value::Num(value) } else { format!("{value:e} {unit}").into() };
+    let (whole, index) = split(&p.name);
+    let list = index.and_then(|i| match entry(model, whole).map(|e| &e.value) {
+        Some(Value::List(list)) => Some((i, list.clone())),
+        _ => None,
+    });
+    let to = match list {
+        Some((i, mut list)) => {
+            list[i] = Entry::new("", written);
+            Value::List(list)
+        }
+        None => written,
+    };
+    other.put(whole, to);
+    other
+}
 
 /// `ball.v[1]` → `ball.v` and 1.
 fn split(name: &str) -> (&str, Option<usize>) {

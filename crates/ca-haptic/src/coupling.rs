@@ -11,7 +11,11 @@
 //! coupling that is made has to be right. The spring of the coupling and the links at their stiffest together make that
 //! stiffness. The damper takes energy out of the model behind it, which can store what the delay makes. With 3b/4 on a spring of
 //! b/(2κT), a device of 0.79 b is passive before any model. The mass between coupling and links is the lightest that the
-//! scheme allows. If that is more than a tenth of the device, the hand would feel the mass, and no coupling fits.
+//! scheme allows. If that is more than a tenth of the device, the hand would feel the mass: no coupling fits, and the device gives
+//! no force.
+//!
+//! Friction that sticks joins a key to a body without any give, and a damper near the friction of the device makes as much energy
+//! as a stiff spring. Both count as a spring far stiffer than the device holds.
 
 use crate::engine::{Setup, coupled};
 use crate::profile::Profile;
@@ -39,6 +43,10 @@ const STIFFEST: f64 = 10.0;
 const HEAVIER: f64 = 4.0;
 /// Largest mass between coupling and links, in masses of the device.
 const LIGHT: f64 = 0.1;
+/// Stiffness of friction that sticks and of strong dampers, in stiffnesses up to which a key stays as it is.
+const RIGID: f64 = 1000.0;
+/// Slopes count where the force is less than this, in largest forces of the device: a hand that the device cannot stop goes no further.
+const REACHED: f64 = 2.0;
 
 /// Stiffnesses that a device can render.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,15 +83,20 @@ impl Held {
 pub struct Presented {
     /// sum of the links, all contacts closed, live parameters at their stiffest \[N/m\]
     pub certified: f64,
-    /// steepest place of the travel \[N/m\]
+    /// steepest place of the travel that the device lets a hand come to \[N/m\]
     pub steepest: f64,
+    /// sum of the viscosities \[N s/m\]
+    pub viscosity: f64,
+    /// friction that sticks holds it
+    pub sticks: bool,
     /// position \[m\] and force \[N\] over the travel
     pub travel: Vec<[f64; 2]>,
 }
 
 impl Presented {
-    /// Device port number `t` of the scene, moved over `range`, with everything behind it at rest.
-    pub fn new(scene: &Scene, t: usize, range: [f64; 2]) -> Presented {
+    /// Device port number `t` of the scene, moved over the range of its device, with everything behind it at rest.
+    pub fn new(scene: &Scene, t: usize, profile: &Profile) -> Presented {
+        let range = profile.range;
         let port = scene.tgr[t];
         let input = &scene.inputs[port.input as usize];
         let (gains, at) = (input.gains, port.mat as usize);
@@ -101,11 +114,21 @@ impl Presented {
         let places = (0..=steps).map(|i| range[0] + span * i as f64 / steps as f64);
         let travel: Vec<[f64; 2]> = places.map(|x| [x, force_at(x)]).collect();
         let slope = |w: &[[f64; 2]]| (w[1][1] - w[0][1]).abs() / (span / steps as f64);
+        let most = if profile.force > 0.0 { REACHED * profile.force } else { f64::INFINITY };
+        let reached = travel.windows(2).filter(|w| w[0][1].abs().min(w[1][1].abs()) < most);
+        let of_key = |of: fn(&Key) -> f64| key.map_or(0.0, |k| of(k) * gains.stiffness());
         Presented {
-            certified: key.map_or(0.0, |k| k.k * gains.stiffness()),
-            steepest: travel.windows(2).map(slope).fold(0.0, f64::max),
+            certified: of_key(|k| k.k),
+            steepest: reached.map(slope).fold(0.0, f64::max),
+            viscosity: of_key(|k| k.z),
+            sticks: key.is_some_and(|k| k.sticks),
             travel,
         }
+    }
+
+    /// True of a key that a device of this friction \[N s/m\] cannot render as it is, however soft its springs are.
+    pub fn is_rigid(&self, friction: f64) -> bool {
+        self.sticks || self.viscosity > KEPT * friction
     }
 
     /// The stiffest it is \[N/m\].
@@ -124,8 +147,10 @@ pub fn key(scene: &Scene, at: usize) -> Option<&Key> {
 pub struct Softened {
     /// name of the device
     pub device: String,
-    /// what the key presents at most \[N/m\], in the hand
+    /// stiffness that the key presents at most \[N/m\], in the hand
     pub presents: f64,
+    /// friction that sticks or a damper holds it more firmly than that
+    pub rigid: bool,
     /// the stiffness that is felt \[N/m\], in the hand
     pub felt: f64,
     /// how
@@ -134,12 +159,17 @@ pub struct Softened {
 
 impl fmt::Display for Softened {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Softened { device, presents, felt, coupling } = self;
+        let Softened { device, presents, rigid, felt, coupling } = self;
         let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::kind::Unit::STIFFNESS));
+        let is = if *rigid {
+            "is held by friction that sticks or by a strong damper".into()
+        } else {
+            format!("is up to {presents} stiff")
+        };
         write!(
             f,
-            "`{}` is up to {presents} stiff, more than `{device}` holds: a virtual coupling softens it to {felt} in the hand; \
-             the model keeps its stiffness (`ca check --device`)",
+            "`{}` {is}, more than `{device}` holds: a virtual coupling softens it to {felt} in the hand; the model stays as it \
+             is (`ca check --device`)",
             coupling.port
         )
     }
@@ -150,8 +180,17 @@ impl fmt::Display for Softened {
 pub struct Needed {
     /// those that a coupling softens
     pub softened: Vec<Softened>,
-    /// names of those for which no coupling fits
-    pub too_stiff: Vec<String>,
+    /// those for which no coupling fits
+    pub too_stiff: Vec<TooStiff>,
+}
+
+/// A key for which no coupling fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TooStiff {
+    /// name of the device
+    pub device: String,
+    /// name of the TGR
+    pub port: String,
 }
 
 /// The couplings that an uncoupled scene needs before these devices.
@@ -173,43 +212,68 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
         return;
     }
-    // ports by the MAT they move, whose axes share a coupling: stiffness in the hand, and degrees of freedom
-    let mut mats: BTreeMap<String, (f64, f64, Vec<u32>)> = BTreeMap::new();
+    let b = p.body.friction;
+    // ports by the MAT they move, whose axes share a coupling
+    let mut mats: BTreeMap<String, Moved> = BTreeMap::new();
     let mut sums: BTreeMap<u32, f64> = BTreeMap::new();
     for (t, port) in scene.tgr.iter().enumerate() {
         let input = &scene.inputs[port.input as usize];
         let Some((_, dof)) = input.device.as_ref().filter(|d| d.0 == setup.device && d.1 < p.dof) else { continue };
-        let k = Presented::new(scene, t, p.range).k();
-        let mat = mats.entry(scene.mat_name(port.mat as usize).into_owned()).or_default();
-        let gain = input.gains.stiffness();
-        *mat = (mat.0.max(k), mat.1.max(gain), core::mem::take(&mut mat.2));
-        mat.2.push(*dof);
+        let presented = Presented::new(scene, t, p);
+        let moved = mats.entry(scene.mat_name(port.mat as usize).into_owned()).or_default();
+        moved.k = moved.k.max(presented.k());
+        moved.z = moved.z.max(presented.viscosity);
+        moved.rigid |= presented.is_rigid(b);
+        moved.gain = moved.gain.max(input.gains.stiffness());
+        moved.dofs.push(*dof);
     }
-    for (k, _, dofs) in mats.values() {
-        for d in dofs {
-            *sums.entry(*d).or_default() += k;
+    for moved in mats.values() {
+        for d in &moved.dofs {
+            *sums.entry(*d).or_default() += moved.counts(kept);
         }
     }
     let tick_dt = scene.sample_dt / f64::from(scene.oversample());
-    for (port, (k, gain, dofs)) in mats {
+    for (port, moved) in mats {
+        let k = moved.counts(kept);
         // ports of one degree of freedom share what it holds
-        let all = dofs.iter().filter_map(|d| sums.get(d)).fold(0.0, |a: f64, b| a.max(*b));
+        let all = moved.dofs.iter().filter_map(|d| sums.get(d)).fold(0.0, |a: f64, b| a.max(*b));
         if all.is_nan() || all <= kept * (1.0 + 1e-9) {
             continue;
         }
         let (share, near) = (k / all, (1.0 - given / all).max(1.0 / STIFFEST));
-        let (spring, damper) = (share * given / near, share * DAMPER * p.body.friction / near);
+        let (spring, damper) = (share * given / near, share * DAMPER * b / near);
         let felt = 1.0 / (1.0 / spring + 1.0 / k);
-        let m = HEAVIER * (tick_dt * tick_dt * (k + spring) + 2.0 * tick_dt * damper);
-        let model = |v: f64| v / gain;
+        let m = HEAVIER * (tick_dt * tick_dt * (moved.k + spring) + 2.0 * tick_dt * (damper + moved.z));
+        let model = |v: f64| v / moved.gain;
+        let device = setup.device.clone();
         let coupling = Coupling { port, k: model(spring), z: model(damper), m: model(m), felt: model(felt) };
         let fits =
             m <= LIGHT * p.body.mass && [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
         if fits {
-            needed.softened.push(Softened { device: setup.device.clone(), presents: k, felt, coupling });
+            needed.softened.push(Softened { device, presents: moved.k, rigid: moved.rigid, felt, coupling });
         } else {
-            needed.too_stiff.push(coupling.port);
+            needed.too_stiff.push(TooStiff { device, port: coupling.port });
         }
+    }
+}
+
+/// A MAT that ports of one device move, in the units of the hand.
+#[derive(Default)]
+struct Moved {
+    /// stiffest of its axes \[N/m\]
+    k: f64,
+    /// viscosity \[N s/m\]
+    z: f64,
+    rigid: bool,
+    /// stiffness in the hand for one of the model
+    gain: f64,
+    dofs: Vec<u32>,
+}
+
+impl Moved {
+    /// Stiffness that counts \[N/m\], where a key up to `kept` stays as it is.
+    fn counts(&self, kept: f64) -> f64 {
+        if self.rigid { self.k.max(RIGID * kept) } else { self.k }
     }
 }
 
@@ -218,7 +282,8 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     if !scene.crossing.feedback || !setup.profile.guard.coupling {
         return None;
     }
-    let most = Held::new(scene, &setup.profile).kept * (1.0 + 1e-9);
+    let profile = &setup.profile;
+    let most = Held::new(scene, profile).kept * (1.0 + 1e-9);
     let known = coupled(scene, &setup.device);
     let soft = |name: &str| known.iter().find(|c| c.0 == name).map(|c| c.1);
     let mine = |t: &usize| {
@@ -227,7 +292,9 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     };
     (0..scene.tgr.len()).filter(mine).find_map(|t| {
         let name = scene.mat_name(scene.tgr[t].mat as usize).into_owned();
-        let k = soft(&name).unwrap_or_else(|| Presented::new(scene, t, setup.profile.range).k());
+        let presented = Presented::new(scene, t, profile);
+        let rigid = presented.is_rigid(profile.body.friction);
+        let k = soft(&name).unwrap_or_else(|| if rigid { f64::INFINITY } else { presented.k() });
         (k > most).then_some((name, k))
     })
 }
@@ -238,20 +305,34 @@ pub struct Met {
     pub compiled: Compiled,
     /// keys that are softened
     pub softened: Vec<Softened>,
-    /// names of keys for which no coupling fits
-    pub too_stiff: Vec<String>,
+    /// keys for which no coupling fits
+    pub too_stiff: Vec<TooStiff>,
 }
 
 impl Met {
     /// A line for each of these keys.
     pub fn said(&self) -> Vec<String> {
-        let hard = |port: &String| {
+        let hard = |t: &TooStiff| {
             format!(
-                "`{port}` is stiffer than its device holds, and no coupling fits the model: it can shake in the hand \
-                 (`ca check --device`); make it softer"
+                "`{}` is stiffer than `{}` holds, and no coupling fits the model: the device gives no force \
+                 (`ca check --device`); make it softer",
+                t.port, t.device
             )
         };
         self.softened.iter().map(ToString::to_string).chain(self.too_stiff.iter().map(hard)).collect()
+    }
+}
+
+impl Met {
+    /// These setups, of which devices with a key for which no coupling fits give no force.
+    pub fn setups(&self, setups: &[Setup]) -> Vec<Setup> {
+        let mut setups = setups.to_vec();
+        for s in &mut setups {
+            if self.too_stiff.iter().any(|t| t.device == s.device) {
+                s.profile.force = 0.0;
+            }
+        }
+        setups
     }
 }
 
@@ -276,6 +357,6 @@ pub fn meet<E>(
         return Met { compiled, softened, too_stiff };
     }
     options.couplings.clear();
-    too_stiff.extend(softened.into_iter().map(|s| s.coupling.port));
+    too_stiff.extend(softened.into_iter().map(|s| TooStiff { device: s.device, port: s.coupling.port }));
     Met { compiled, softened: Vec::new(), too_stiff }
 }

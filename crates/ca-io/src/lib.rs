@@ -45,7 +45,6 @@ pub mod error;
 pub mod files;
 pub mod flac;
 pub mod gesture;
-pub mod halves;
 pub mod length;
 pub mod live_midi;
 pub mod perform;

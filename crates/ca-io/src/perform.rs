@@ -238,14 +238,6 @@ impl<'a> Performance<'a> {
         }
     }
 
-    /// Makes it what a half of it is at its end, but for the places of its MATs.
-    pub(crate) fn ended_as(&mut self, half: Performance<'_>) {
-        self.state.tick = half.state.tick;
-        self.state.refused = half.state.refused;
-        self.state.input.clone_from(&half.state.input);
-        (self.controls, self.drives, self.diverged) = (half.controls, half.drives, half.diverged);
-    }
-
     /// The module to blame once the scene is [`Performance::diverged`], and why: the one the certificate names where that
     /// found the scene unstable; else the link that made most energy in a second run with the ledger kept, given as
     /// `audited`; else the MAT that went furthest.

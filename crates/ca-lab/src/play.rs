@@ -2,9 +2,7 @@
 
 use ca_core::Scene;
 use ca_core::live::LiveParam;
-use ca_core::scene::Halves;
 use ca_core::state::{Balance, Ledger};
-use ca_io::FileError;
 use ca_io::gesture::Gesture;
 pub use ca_io::length::Length;
 use ca_io::perform::{DIVERGED, Performance};
@@ -81,29 +79,6 @@ pub fn play<'a, E>(
     // a tick is entered when the next one begins
     let energy_ticks = energy_ticks.saturating_sub(1);
     Ok(Played { performance: p, frames: done, wall, diverged_at, energy, energy_ticks })
-}
-
-/// As [`play`], but by two threads, each of which plays one of the `halves` of the scene; without the energy ledger.
-///
-/// # Errors
-/// Those of `heard`, which end it; where the gesture does not fit.
-pub fn play_halves<'a, E: From<FileError>>(
-    p: Performance<'a>,
-    halves: &'a Halves,
-    gesture: Option<&Gesture>,
-    (length, block): (impl Into<Length>, u64),
-    heard: &mut ca_io::halves::Sink<E>,
-) -> Result<Played<'a>, E> {
-    let begin = Instant::now();
-    let mut frames = 0;
-    let mut performance = ca_io::halves::play(p, halves, gesture, (length, block), &mut |rows, done| {
-        frames = done;
-        heard(rows, done)
-    })?;
-    let wall = begin.elapsed();
-    performance.diverged |= !performance.state.is_bounded(DIVERGED);
-    let diverged_at = performance.diverged.then_some(performance.state.tick);
-    Ok(Played { performance, frames, wall, diverged_at, energy: None, energy_ticks: 0 })
 }
 
 /// Where a ledger is kept and the positions have just left every range: the ledger as it was.

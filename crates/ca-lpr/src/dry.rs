@@ -6,44 +6,53 @@
 //! is solved together with others over four ends, and the compiler refuses what shares a mass.
 
 use ca_core::State;
-use ca_core::method::coulomb::{MEM, hold};
+use ca_core::method::coulomb::{self, MEM, hold};
 use ca_core::method::{free_motion, mobility};
 use ca_core::numeric::{Real, real};
 use ca_core::op::layout::Layout;
 use ca_core::op::links::measure::{Elongation, Line, Measure, Radial};
-use ca_core::op::{Form, Kernel, Law, MeasureKind, Op, SolveStage};
+use ca_core::op::{Form, Kernel, Law, LawEntry, LawFns, MeasureKind, Op, SolveStage};
 use ca_core::phi;
 
 /// With `curve = "coulomb"` and `method = "set-valued"`.
-pub static LAW: Law =
-    Law { code: "LPR_BOW set-valued", kernel, stage: SolveStage::Single(&LAW), ..phi::bow::SET_VALUED };
+pub static LAW: Law = Law {
+    code: "LPR_BOW set-valued",
+    stage: SolveStage::Single(&LAW),
+    fns: LawFns { kernel, ..phi::bow::SET_VALUED.fns },
+    ..phi::bow::SET_VALUED
+};
 
-fn kernel(form: Form) -> Kernel {
+/// Its functions over `R`.
+pub fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns { kernel, ..coulomb::fns(LawFns::of::<phi::bow::SetValued, 3, 0>()) })]
+}
+
+fn kernel<R: Real>(form: Form) -> Kernel<R> {
     match (form.measure, form.onto) {
-        (MeasureKind::Line, _) => rub::<Line, Line>,
-        (_, Some(MeasureKind::Radial)) => rub::<Radial, Radial>,
-        _ => rub::<Radial, Line>,
+        (MeasureKind::Line, _) => rub::<R, Line, Line>,
+        (_, Some(MeasureKind::Radial)) => rub::<R, Radial, Radial>,
+        _ => rub::<R, Radial, Line>,
     }
 }
 
 /// Applies the quadripoles of `op`, one by one.
-fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
+fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some((_, onto, far)) = op.ports.onto else { return };
     for i in 0..op.n {
-        let [most, sliding]: [Real; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let [most, sliding]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let (first, second) = (layout.ends[op.first + i], layout.onto[onto + i]);
         let (first, second) = (first.map(|m| m as usize), second.map(|m| m as usize));
         let a = Port::of::<A>(layout, s, first, op.ports.reach + i);
         let b = Port::of::<B>(layout, s, second, far + i);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != 0.0;
+        let stuck = s.mem[mem] != R::of(0.0);
         let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
         // what stuck has no motion but that of rounding, and of a port that turned
         let (force, sticks) = hold([most, sliding], [if stuck { real(0.0) } else { w }, r], c, stuck);
         A::pull(&mut s.f, first, &a.measured, force);
         B::pull(&mut s.f, second, &b.measured, force);
         s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
-        s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
+        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
         }
@@ -51,27 +60,27 @@ fn rub<A: Measure, B: Measure>(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// What a port adds to the motion of the sum.
-struct Port {
-    measured: Elongation,
+struct Port<R: Real> {
+    measured: Elongation<R>,
     /// the change of its elongation in the last tick, along its gradient \[m/tick\]
-    moves: Real,
+    moves: R,
     /// that which all other forces make
-    free: Real,
+    free: R,
     /// \[m/N\]
-    mobility: Real,
+    mobility: R,
 }
 
-impl Port {
-    fn of<G: Measure>(layout: &Layout, s: &State, ends: [usize; 2], reach: usize) -> Port {
+impl<R: Real> Port<R> {
+    fn of<G: Measure>(layout: &Layout<R>, s: &State<R>, ends: [usize; 2], reach: usize) -> Port<R> {
         let reach = if G::SPACE { &layout.reach[reach] } else { &[real(0.0); 4] };
         let measured = G::measure(&s.x, &s.d, ends, reach);
-        let gradient: [Real; 3] = measured.gradient().into();
+        let gradient: [R; 3] = measured.gradient().into();
         let [mut moves, mut free, mut c] = [real(0.0); 3];
         for (k, g) in gradient[..if G::SPACE { 3 } else { 1 }].iter().enumerate() {
             let [p, q] = ends.map(|m| m + k);
-            moves += g * (s.d[q] - s.d[p]);
-            free += g * (free_motion(layout, s, q) - free_motion(layout, s, p));
-            c += g * g * (mobility(layout, s, p) + mobility(layout, s, q));
+            moves += *g * (s.d[q] - s.d[p]);
+            free += *g * (free_motion(layout, s, q) - free_motion(layout, s, p));
+            c += *g * *g * (mobility(layout, s, p) + mobility(layout, s, q));
         }
         Port { measured, moves, free, mobility: c }
     }

@@ -6,6 +6,8 @@
 use crate::laws;
 use crate::params::{BOW, PAGE, count, params};
 use ca_core::kind::{Kind, Param, Role};
+use ca_core::numeric::Real;
+use ca_core::op::LawEntry;
 use ca_core::phi;
 
 /// All kinds of this crate, in the order of the documentation.

@@ -6,9 +6,11 @@
 //! taken, and the general law would run.
 
 use crate::op::kernel;
-use crate::{dry, params};
+use crate::{dry, kinds, params};
 use ca_core::kind::Type;
-use ca_core::op::Law;
+use ca_core::law::Phi;
+use ca_core::numeric::Real;
+use ca_core::op::{Law, LawEntry, LawFns};
 use ca_core::phi;
 
 /// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi); and the list of pairs.
@@ -17,11 +19,17 @@ macro_rules! laws {
         $(
             pub static $name: Law = Law {
                 code: $code,
-                kernel: kernel::<$phi, _, _>,
                 simpler: |p| quadripole(($of.simpler)(p)?),
+                fns: LawFns { kernel: kernel::<f64, $phi, _, _>, ..$of.fns },
                 ..$of
             };
         )*
+
+        /// Their functions over `R`.
+        fn own<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+            [$(($code, fns::<R, $phi, _, _>())),*]
+        }
+
         static QUADRIPOLES: &[(&Law, &Law)] = &[$((&$of, &$name)),*];
     };
 }
@@ -47,7 +55,7 @@ laws! {
 /// That of LPR_BOW, by its words: the curve, and the method, which has fewer words than that of BOW.
 pub static BOW: Law = Law {
     code: "LPR_BOW smooth",
-    kernel: kernel::<phi::bow::Smooth, _, _>,
+    fns: LawFns { kernel: kernel::<f64, phi::bow::Smooth, _, _>, ..phi::bow::SMOOTH.fns },
     simpler: |p| {
         let position = |name: &str| params::BOW.iter().position(|p| p.name == name);
         let is = |name: &str, word: &str| {
@@ -66,6 +74,17 @@ pub static BOW: Law = Law {
     },
     ..phi::bow::SMOOTH
 };
+
+/// The functions over `R` of the quadripole of a law.
+pub fn fns<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> LawFns<R> {
+    LawFns { kernel: kernel::<R, P, C, M>, ..LawFns::of::<P, C, M>() }
+}
+
+/// The functions of all laws of this crate over `R`, for [`Scene::bind`](ca_core::Scene::bind).
+pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+    let bow = [(BOW.code, fns::<R, phi::bow::Smooth, _, _>())];
+    own().into_iter().chain(bow).chain(dry::laws()).chain(kinds::quadripoles())
+}
 
 /// The law of this crate that is the form of `law`.
 pub fn quadripole(law: &'static Law) -> Option<&'static Law> {

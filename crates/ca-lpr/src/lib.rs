@@ -41,3 +41,4 @@ pub mod op;
 mod params;
 
 pub use kinds::KINDS;
+pub use laws::laws;

@@ -17,31 +17,34 @@ use ca_core::op::links::measure::{Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, MeasureKind, Op};
 
 /// What a port on a line needs beside its ends.
-const NOWHERE: [Real; 4] = [real(0.0); 4];
+fn nowhere<R: Real>() -> [R; 4] {
+    [real(0.0); 4]
+}
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
-pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
 ) {
     let n = op.n;
     let Some((_, onto, far)) = op.ports.onto else { return };
     let (between, onto) = (&layout.ends[op.first..][..n], &layout.onto[onto..][..n]);
     let (near_length, far_length, lengths) = (op.ports.reach, far, &mut s.lengths[..]);
-    let (near, far) = (reach::<A>(layout, op.ports.reach, n), reach::<B>(layout, far, n));
+    let (near, far) = (reach::<R, A>(layout, op.ports.reach, n), reach::<R, B>(layout, far, n));
     let e0 = &layout.e0[op.first..][..n];
-    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
+    let nowhere = nowhere();
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
         // a port on a line keeps no length
         let mut none = real(0.0);
         let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
-        let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &NOWHERE }, last);
+        let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &nowhere }, last);
         let last = if B::SPACE { &mut lengths[far_length + i] } else { &mut none };
-        let b = B::follow(x, d, second, if B::SPACE { &far[i] } else { &NOWHERE }, last);
+        let b = B::follow(x, d, second, if B::SPACE { &far[i] } else { &nowhere }, last);
         let c = core::array::from_fn(|k| columns[k][i]);
         let Some(m) = mem[i * M..].first_chunk_mut::<M>() else { continue };
         let force = P::force(&c, m, &layout.tables, a.e + b.e + e0[i], a.w + b.w);
@@ -54,19 +57,19 @@ pub fn lpr<P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize,
 }
 
 /// What ports in space need beside their ends; a line needs nothing and has no entries.
-fn reach<G: Measure>(layout: &Layout, first: usize, n: usize) -> &[[Real; 4]] {
+fn reach<R: Real, G: Measure>(layout: &Layout<R>, first: usize, n: usize) -> &[[R; 4]] {
     if G::SPACE { &layout.reach[first..][..n] } else { &[] }
 }
 
 /// The kernel of a law for one form of a quadripole. The compiler puts a port in space first, and an LPR has no
 /// parameter that would give a port a fixed direction.
-pub fn kernel<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
+pub fn kernel<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
     match (form.measure, form.onto, form.tap) {
-        (MeasureKind::Line, _, false) => lpr::<P, Line, Line, C, M, false>,
-        (MeasureKind::Line, _, true) => lpr::<P, Line, Line, C, M, true>,
-        (_, Some(MeasureKind::Radial), false) => lpr::<P, Radial, Radial, C, M, false>,
-        (_, Some(MeasureKind::Radial), true) => lpr::<P, Radial, Radial, C, M, true>,
-        (_, _, false) => lpr::<P, Radial, Line, C, M, false>,
-        (_, _, true) => lpr::<P, Radial, Line, C, M, true>,
+        (MeasureKind::Line, _, false) => lpr::<R, P, Line, Line, C, M, false>,
+        (MeasureKind::Line, _, true) => lpr::<R, P, Line, Line, C, M, true>,
+        (_, Some(MeasureKind::Radial), false) => lpr::<R, P, Radial, Radial, C, M, false>,
+        (_, Some(MeasureKind::Radial), true) => lpr::<R, P, Radial, Radial, C, M, true>,
+        (_, _, false) => lpr::<R, P, Radial, Line, C, M, false>,
+        (_, _, true) => lpr::<R, P, Radial, Line, C, M, true>,
     }
 }

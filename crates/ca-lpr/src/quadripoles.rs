@@ -87,13 +87,13 @@ macro_rules! quadripoles {
         $(
             mod $file {
                 use ca_core::kind::{Kind, Param, Role};
-                use ca_core::op::Law;
+                use ca_core::op::{Law, LawFns};
                 use ca_core::phi::$file as law;
 
-                static LAW: Law = Law {
+                pub static LAW: Law = Law {
                     code: text!("LPR_", law::KIND.code),
-                    kernel: $crate::op::kernel::<law::$phi, _, _>,
                     simpler: |p| $crate::laws::quadripole((law::LAW.simpler)(p)?),
+                    fns: LawFns { kernel: $crate::op::kernel::<f64, law::$phi, _, _>, ..law::LAW.fns },
                     ..law::LAW
                 };
 
@@ -120,5 +120,10 @@ macro_rules! quadripoles {
             }
         )*
         const QUADRIPOLES: &[&Kind] = &[$(&$file::KIND),*];
+
+        /// Their functions over `R`.
+        pub fn quadripoles<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+            [$(($file::LAW.code, laws::fns::<R, phi::$file::$phi, _, _>())),*]
+        }
     };
 }

@@ -354,7 +354,7 @@ fn holds(scene: &Scene, op: &Op, i: usize) -> Option<f64> {
     let law = op.law.filter(|law| law.contact && op.form.measure == MeasureKind::Radial)?;
     let coefs: Option<Vec<f64>> =
         (0..law.coefs).map(|s| scene.initial.coef.get(op.coef + s * op.n + i).copied()).collect();
-    let (from, to) = (law.idle)(&coefs?);
+    let (from, to) = (law.fns.idle)(&coefs?);
     (from == f64::NEG_INFINITY && to > 0.0 && to.is_finite()).then_some(to)
 }
 

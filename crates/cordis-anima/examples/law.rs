@@ -19,13 +19,13 @@ impl Phi<2, 0> for Fifth {
         [p[1].unwrap_or(0.0), p[2].unwrap_or(0.0)]
     }
     #[inline(always)]
-    fn force(&[k, q]: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, _w: Real) -> Real {
+    fn force<R: Real>(&[k, q]: &[R; 2], _: &mut [R; 0], _: &[Table<R>], e: R, _w: R) -> R {
         let square = e * e;
         (k + q * square * square) * e
     }
-    fn potential(&[k, q]: &[Real; 2], _: &[Real; 0], _: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[k, q]: &[R; 2], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let square = e * e;
-        square * (0.5 * k + q * square * square / 6.0)
+        square * (R::of(0.5) * k + q * square * square / R::of(6.0))
     }
     fn bound(&[k, _]: &[f64; 2], _: &[Table]) -> Bound {
         Bound { k, hardens: true, ..Bound::default() }

@@ -48,7 +48,7 @@ pub use ca_core::{Catalog, Scene, State, compute_forces, integrate, process, tic
 pub use ca_io::FileError;
 pub use ca_model::Model;
 pub use error::{Error, Found};
-pub use loaded::{Loaded, catalog, load};
+pub use loaded::{Loaded, catalog, laws, load};
 pub use render::{Rendered, render};
 pub use voice::Voice;
 

@@ -7,6 +7,8 @@ use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
 use ca_core::Catalog;
 use ca_core::kind::cloud::{Clouds, Unread};
+use ca_core::numeric::Real;
+use ca_core::op::Laws;
 use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};
@@ -19,6 +21,11 @@ use std::path::Path;
 /// All kinds there are: those of the run-time, generators, and LPR.
 pub fn catalog() -> Catalog {
     ca_model::catalog().with(ca_lpr::KINDS)
+}
+
+/// The functions of all laws there are over `R`, for [`Scene::bind`](crate::Scene::bind).
+pub fn laws<R: Real>() -> Laws<R> {
+    ca_core::phi::laws().with(ca_lpr::laws())
 }
 
 /// Loads and compiles a model.

@@ -8,7 +8,6 @@ mod compile_fuzz;
 mod depth;
 mod fused;
 mod growth;
-mod halves;
 mod modes;
 mod oracle;
 mod reach;

@@ -1,4 +1,4 @@
-//! The build in single precision, `ca-core-single`: closed forms, drift, what it makes of contacts and bows beside
+//! Scenes bound to single precision: closed forms, drift, what it makes of contacts and bows beside
 //! double precision, scale, and what it refuses.
 //!
 //! Tolerances are three to five times what was measured. Blows begin away from a tick: whether one that falls on it
@@ -6,14 +6,32 @@
 
 use crate::compiler::thresholds::{k, link, z};
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
-use ca_compile_single::{Compiled, KernelClass, Options, load};
-use ca_core_single as single;
-use ca_model_single::diag::{Diags, Severity};
+use ca_compile::{KernelClass, Options, load};
+use ca_core::numeric::Precision;
+use ca_core::tick;
+use ca_model::diag::{Diags, Severity};
 use ca_tests::follow;
-use single::{Scene, State, tick};
+
+type Scene = ca_core::Scene<f32>;
+type State = ca_core::State<f32>;
+
+struct Compiled {
+    scene: Scene,
+    findings: Diags,
+}
+
+impl std::ops::Deref for Compiled {
+    type Target = Scene;
+    fn deref(&self) -> &Scene {
+        &self.scene
+    }
+}
 
 fn with(text: &str, options: &Options) -> Result<Compiled, Diags> {
-    load(text, "test.ca.toml", &ca_model_single::catalog(), options).1
+    let options = Options { precision: Precision::Single, ..options.clone() };
+    let compiled = load(text, "test.ca.toml", &ca_model::catalog(), &options).1?;
+    let scene = compiled.scene.bind(&cordis_anima::laws()).expect("all laws are known");
+    Ok(Compiled { scene, findings: compiled.findings })
 }
 
 fn scene(text: &str) -> Compiled {
@@ -266,7 +284,6 @@ fn no_number_of_the_tick_is_double() {
     let s = scene(STRING).state();
     let single: [&[f32]; 7] = [&s.x, &s.d, &s.f, &s.coef, &s.mem, &s.tap, &s.lowpass];
     assert!(single[..4].iter().all(|v| v.len() >= 40));
-    assert_eq!(size_of::<single::numeric::Real>(), 4);
 }
 
 /// What it does not keep is refused and named, and double precision takes it.
@@ -327,10 +344,9 @@ fn a_change_out_of_range_is_refused() {
 #[test]
 fn the_limits_of_single_precision_are_where_they_are_stated() {
     let found = |text: &str| {
-        use ca_compile_single::{Options, compile};
-        use ca_model_single::read::read;
-        let (model, read) = read(text, "test.ca.toml", &ca_model_single::catalog());
-        let list = match compile(&model, &ca_model_single::catalog(), &Options::default()) {
+        let (model, read) = ca_model::read::read(text, "test.ca.toml", &ca_model::catalog());
+        let options = Options { precision: Precision::Single, ..Options::default() };
+        let list = match ca_compile::compile(&model, &ca_model::catalog(), &options) {
             Ok(scene) => scene.findings.list,
             Err(diags) => diags.list,
         };

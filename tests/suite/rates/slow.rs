@@ -1,8 +1,8 @@
 //! Groups at the gesture rate: nothing is made at their border, whatever is tied across, and at a fine frame they are what they
 //! are at the sound rate.
 
-use crate::play::{audited, mat, model, off, rel_l2, scene, with, within};
-use ca_compile::{Options, compile, halves};
+use crate::play::{audited, mat, model, off, rel_l2, scene, within};
+use ca_compile::{Options, compile};
 use ca_core::scene::certificate::Level;
 use ca_core::{Scene, State, tick};
 use ca_tests::catalog;
@@ -302,14 +302,4 @@ fn each_side_is_judged_by_its_own_tick() {
     let limit = 4.0 * 0.01 * 48e3 * 48e3 - 20e3;
     let across = |k: f64| scene(&two("gesture", "1 g", &format!("k = {k}"))).certificate.level;
     assert_eq!((across(limit * 0.999), across(limit * 1.001)), (Level::Proven, Level::Unstable));
-}
-
-/// All of a frame counts, so no thread has a half of it.
-#[test]
-fn a_group_is_not_cut_in_two() {
-    let options = Options::default();
-    let whole = with(BODY, &options);
-    let why = halves(&model(BODY), &catalog(), &options, &whole.scene).expect_err("not cut");
-    assert!(why.contains("gesture rate"), "{why}");
-    assert!(compile(&model(BODY), &catalog(), &Options { whole: true, ..options }).is_ok());
 }

@@ -41,7 +41,7 @@ fn a_patch_of_another_scene_changes_nothing() {
     // nor one of no scene, nor to a state of no scene
     let by_hand = Patch { set: patch.set.clone(), ..Patch::default() };
     assert!(!spring.state().apply(&by_hand, 1));
-    assert!(!State::default().apply(&patch, 1));
+    assert!(!State::<f64>::default().apply(&patch, 1));
     // its own takes it, however it was made
     assert!(spring.state().apply(&patch, 1));
     assert!(spring.state().apply(&Patch { scene: spring.identity(), set: patch.set }, 1));

@@ -172,7 +172,7 @@ fn strongest(scene: &Scene, s: &State) -> f64 {
             let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
             let mut mem = s.mem[op.mem + i * law.mem..][..law.mem].to_vec();
             let e = s.x[b] - s.x[a] + scene.e0[op.first + i];
-            (law.force)(&c, &mut mem, &scene.tables, e, s.d[b] - s.d[a]).abs()
+            (law.fns.force)(&c, &mut mem, &scene.tables, e, s.d[b] - s.d[a]).abs()
         })
     });
     forces.fold(0.0, f64::max)

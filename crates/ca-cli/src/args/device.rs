@@ -81,7 +81,7 @@ pub struct SimArgs {
     /// How long it plays; until stopped if left out
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Holds still until forces come, as a hand would, and plays then
+    /// Holds still until forces come, as a hand would, and plays then; not for `--script push`, which has no beginning
     #[arg(long)]
     pub wait: bool,
     /// Frames a second, if not those of its profile

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 /// The engine computes gesture frames (3000 a second, unless the model says otherwise) on a thread of its own, takes
 /// positions from the devices the model names and gives forces back, over shared memory; `ca device sim` is such a
 /// device. Forces stay off until a device is armed (`--arm`, or `ca arm`) and nothing pushes. Priority, memory
-/// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C, `ca stop` or
-/// `--seconds`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
+/// lock and core are asked for, read back and said; without them it runs all the same. Ends with Ctrl-C,
+/// `--seconds` or, where the model has devices or live parameters, `ca stop`, and tells how it went: times, losses, faults. Exit code 3 where something was lost or cut.
 ///
 /// Software cannot replace a switch that cuts the power of the motors: keep one within reach.
 #[allow(clippy::struct_excessive_bools)]

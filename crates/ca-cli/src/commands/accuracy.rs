@@ -3,15 +3,19 @@
 use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::{page, term};
+use crate::{outputs, page, term};
 use ca_lab::accuracy::{self, AccuracyOptions, Measured, MethodRow, Origin};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
+use std::path::Path;
 
 /// Runs the command.
 pub fn run(args: &AccuracyArgs) -> Outcome {
-    args.output.as_deref().map_or(Ok(()), page::is_page)?;
+    if let Some(path) = &args.output {
+        page::is_page(path)?;
+        outputs::apart(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
+    }
     let loaded = load::load(&args.source)?;
     let probes = if args.probe.is_empty() { accuracy::heard(&loaded.model) } else { args.probe.clone() };
     if probes.is_empty() {

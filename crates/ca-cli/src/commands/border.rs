@@ -79,7 +79,7 @@ pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failur
 
 /// Keys whose force reaches the hand, stiffest first.
 fn rendered_keys(scene: &Scene) -> Vec<&Key> {
-    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|_| scene.crossing.feedback).collect();
+    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|k| scene.crossing.feedback && k.k > 0.0).collect();
     keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
     keys
 }

@@ -5,7 +5,7 @@
 
 use crate::args::{LogArgs, LogCommand};
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{outputs, term};
 use ca_haptic::take::{End, Summary, Take, export, recover};
 use ca_model::plain::plain;
 use serde_json::json;
@@ -37,11 +37,7 @@ pub fn run(args: &LogArgs) -> Outcome {
 
 /// Refuses to write over what is there.
 fn free(path: &Path, from: &Path, force: bool) -> Result<(), Failure> {
-    let same = path.canonicalize().is_ok_and(|p| from.canonicalize().is_ok_and(|f| p == f));
-    if same {
-        let what = format!("`{}` is the take and would be overwritten", path.display());
-        return Err(Failure::Usage(format!("{what}; choose another file with `-o`")));
-    }
+    outputs::apart(&[("-o", path)], &[("the take", from)])?;
     if path.is_file() && !force {
         return Err(Failure::Failed(format!("`{}` exists; use `--force` to overwrite it", path.display())));
     }

@@ -5,9 +5,8 @@
 
 use super::border;
 use crate::args::ModesArgs;
-use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{load, outputs, term};
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_io::atomic_file::AtomicFile;
@@ -27,6 +26,9 @@ const HEAR: &str = "hear it with an output to have it in the scene";
 
 /// Runs the command.
 pub fn run(args: &ModesArgs) -> Outcome {
+    if let Some(path) = &args.shapes {
+        outputs::apart(&[("--shapes", path)], &[("the model", Path::new(&args.source.model))])?;
+    }
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options).map_err(|diags| {

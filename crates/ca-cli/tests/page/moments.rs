@@ -119,7 +119,10 @@ pub fn two_play_side_by_side() {
     let second = command(&host.path("")).args(args).output().unwrap();
     let said = String::from_utf8(second.stderr).unwrap();
     assert!(matches!(second.status.code(), Some(0 | 3)), "{said}");
-    assert!(said.contains("`ca set` does not reach this one") && said.contains("play it at http://"), "{said}");
+    assert!(
+        said.contains("`ca set` and `ca stop` do not reach this one") && said.contains("play it at http://"),
+        "{said}"
+    );
     assert!(host.ca(&["set", "z=0.25"]).contains("z = 0.25"));
 
     let [first, second] = [(); 2].map(|()| page.ask(&json!({"type": "save"})));

@@ -1,8 +1,9 @@
 //! The springs on each device key: what a device must bear to stay passive (docs/numerics.md §5.2).
 //!
-//! Decides to add up the slopes of all links at a key, as if all contacts were closed and all live parameters at their
-//! stiffest, and in space pulled in one direction. What hangs behind these links does not matter: it is passive by the rest of the certificate.
+//! The slopes of all links at a key are added up, as if all contacts were closed and all live parameters at their
+//! stiffest, and in space pulled in one direction. The model behind these links is passive by the rest of the certificate.
 
+use crate::certify::rules::method;
 use crate::net::{End, MatRole, Pruned};
 use alloc::string::ToString;
 use alloc::vec::Vec;
@@ -10,29 +11,40 @@ use ca_core::kind::PortRole;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::Key;
 
-/// A row for each key that something stiff holds, in the order of the document.
+/// What the links of one item give a key.
+struct Held {
+    item: u32,
+    k: f64,
+    z: f64,
+    sticks: bool,
+}
+
+/// A row for each key that a link holds by stiffness, viscosity or friction that sticks, in the order of the document.
 pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     let key = |m: &crate::net::MatNode| matches!(m.role, MatRole::Port(PortRole::Tgr, _));
     if !net.mats.iter().any(key) {
         return Vec::new();
     }
-    let mut held: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new(); net.mats.len()];
+    let mut held: Vec<Vec<Held>> = net.mats.iter().map(|_| Vec::new()).collect();
     for (l, b) in net.lias.iter().zip(bounds) {
+        let (k, z) = (b.k.max(0.0), b.z.max(0.0) * net.tick_dt);
+        let sticks = method(net, l) == "set-valued";
         for e in l.all_ends() {
             let End::Mat(m) = e else { continue };
             let links = &mut held[m as usize];
-            match links.last_mut().filter(|(item, _)| *item == l.item) {
-                Some((_, k)) => *k += b.k.max(0.0),
-                None => links.push((l.item, b.k.max(0.0))),
+            match links.last_mut().filter(|h| h.item == l.item) {
+                Some(h) => (h.k, h.z) = (h.k + k, h.z + z),
+                None => links.push(Held { item: l.item, k, z, sticks }),
             }
         }
     }
     let mut keys = Vec::new();
     for (m, links) in net.mats.iter().zip(held) {
-        let k: f64 = links.iter().map(|l| l.1).sum();
-        if k > 0.0 && key(m) {
-            let links = links.into_iter().map(|(item, k)| (net.items[item as usize].name.to_string(), k)).collect();
-            keys.push(Key { name: m.name.to_string(), k, links });
+        let sum = |of: fn(&Held) -> f64| links.iter().map(of).sum::<f64>();
+        let (k, z, sticks) = (sum(|h| h.k), sum(|h| h.z), links.iter().any(|h| h.sticks));
+        if (k > 0.0 || z > 0.0 || sticks) && key(m) {
+            let links = links.into_iter().map(|h| (net.items[h.item as usize].name.to_string(), h.k)).collect();
+            keys.push(Key { name: m.name.to_string(), k, z, sticks, links });
         }
     }
     keys

@@ -10,7 +10,6 @@ use crate::net::worst::WorstMat;
 use crate::net::{LiaNode, MatNode, MatRole, Measure, Pruned, elongation, linearisation};
 use alloc::vec::Vec;
 use ca_core::law::Bound;
-use ca_core::numeric::{Real, real, wide};
 
 /// Steps of each search.
 const STEPS: usize = 60;
@@ -78,20 +77,18 @@ struct Link<'n> {
     net: &'n Pruned,
     l: &'n LiaNode,
     coefs: Vec<f64>,
-    rounded: Vec<Real>,
 }
 
 impl<'n> Link<'n> {
     fn new(net: &'n Pruned, l: &'n LiaNode) -> Link<'n> {
         let coefs = l.law.loaded(&net.values(l.item, &l.values), net.tick_dt);
-        let rounded = coefs.iter().map(|c| real(*c)).collect();
-        Link { net, l, coefs, rounded }
+        Link { net, l, coefs }
     }
 
     /// Its potential at elongation `e` \[J\].
     fn stored(&self, e: f64) -> f64 {
-        let (c, e) = (&self.rounded[..], real(e));
-        wide((self.l.law.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e))
+        let c = &self.coefs[..];
+        (self.l.law.fns.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e)
     }
 
     /// The largest change of the elongation from `start` to one side, with this energy \[J\] and mobility T²/m \[m/N\].
@@ -119,8 +116,7 @@ impl<'n> Link<'n> {
 
     /// The depth of a contact between these elongations.
     fn depth(&self, [from, to]: [f64; 2]) -> f64 {
-        let (idle, beyond) = (self.l.law.idle)(&self.rounded);
-        let (idle, beyond) = (wide(idle), wide(beyond));
+        let (idle, beyond) = (self.l.law.fns.idle)(&self.coefs);
         if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
     }
 }

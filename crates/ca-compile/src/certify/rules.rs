@@ -11,7 +11,6 @@ use alloc::string::{String, ToString};
 use ca_core::kind::{Type, Unit};
 use ca_core::law::Bound;
 use ca_core::method::friction::STEEPEST;
-use ca_core::numeric::wide;
 use ca_core::op::SolveStage;
 use ca_core::scene::certificate::Certificate;
 use ca_core::scene::growth::Growth;
@@ -161,7 +160,7 @@ pub fn frictions(
                 quantity::Plain(steep)
             );
             let less = quantity::Plain(round_up(steep / 1.5));
-            let method = if steep < wide(STEEPEST) { "newton" } else { "secant" };
+            let method = if steep < STEEPEST { "newton" } else { "secant" };
             let other =
                 if l.kind.param("method").is_some() { format!(", or `method = \"{method}\"`") } else { String::new() };
             let help = format!(
@@ -194,7 +193,7 @@ pub fn hardening(
 }
 
 /// The word of the method that was written for a link.
-fn method(net: &Pruned, l: &LiaNode) -> &'static str {
+pub fn method(net: &Pruned, l: &LiaNode) -> &'static str {
     let Some(at) = l.kind.param("method") else { return "" };
     let Type::Choice(words) = l.kind.params[at].ty else { return "" };
     let value = net.values(l.item, &l.values).get(at).copied().flatten();
@@ -203,20 +202,20 @@ fn method(net: &Pruned, l: &LiaNode) -> &'static str {
 
 /// True of set-valued friction that is solved together with others, where it creeps.
 pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
-    matches!(l.law.stage, SolveStage::Coupled(_)) && method(net, l) == "set-valued"
+    matches!(l.law.stage, SolveStage::Coupled) && method(net, l) == "set-valued"
 }
 
 /// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.is_staged()) {
-        let together = matches!(l.law.stage, SolveStage::Coupled(_));
+        let together = matches!(l.law.stage, SolveStage::Coupled);
         let d = if creeps(net, l) {
             decides.take(l, 0.0);
             Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))
                 .at(span(model, net, l.item), "solved together with other links, or in space")
                 .help("below its static force it moves by up to `v0`, 0.1 mm/s if left out: write a smaller `v0`, or give each mass one such link on a line")
-        } else if method(net, l) == "newton" && (together || b.z * mobility(net, l, &sums.mats) >= wide(STEEPEST)) {
+        } else if method(net, l) == "newton" && (together || b.z * mobility(net, l, &sums.mats) >= STEEPEST) {
             let why = if together {
                 "it is solved together with other links, or in space".into()
             } else {

@@ -11,9 +11,8 @@
 //! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
 //! that exist has to stay. A test below says what the table would choose there.
 
-use ca_core::numeric::Real;
 use ca_core::op::links::pair_set;
-use ca_core::op::{Band, Hub, Integrate, Kernel, MeasureKind, Op, pass};
+use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
 use ca_core::scene::Scene;
 use ca_core::state::Fold;
 
@@ -191,11 +190,10 @@ pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
         let beside = links.pattern.numbers() - links.pattern.size();
         return Some(IMPLICIT.at(op.n, 0) + BESIDE * beside as f64);
     }
-    let is = |kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
     let price = match op.name {
         "integrate MAS" if op.n >= LONG => INTEGRATE_LONG,
-        "outputs" if is(pass::positions) => POSITIONS,
-        "outputs" if is(pass::many_outputs) => MANY_OUTPUTS,
+        "outputs" if op.pass == Pass::Positions => POSITIONS,
+        "outputs" if op.pass == Pass::ManyOutputs => MANY_OUTPUTS,
         "outputs" => OUTPUTS,
         name => PASSES.iter().find(|p| p.0 == name)?.1,
     };
@@ -228,11 +226,11 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
     };
     if let Some(set) = op.ports.pair_set {
         let (set, start) = (&scene.pair_sets[set], &scene.initial);
-        let idle = (law.idle)(start.coef.get(op.coef..op.coef + law.coefs)?);
+        let idle = (law.fns.idle)(start.coef.get(op.coef..op.coef + law.coefs)?);
         let [listed, measured] = pair_set::neighbours(set, &scene.rest, &start.x, idle);
         let near = match listed {
             // what contains measures all
-            0 if idle.1 < Real::INFINITY => RADIAL.each(law.coefs) * measured as f64,
+            0 if idle.1 < f64::INFINITY => RADIAL.each(law.coefs) * measured as f64,
             listed => LISTED * listed as f64 + TESTED * set.pairs() as f64,
         };
         return Some(PAIRS.at(set.members.len(), 0) + near);

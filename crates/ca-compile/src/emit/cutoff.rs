@@ -8,7 +8,6 @@ use alloc::format;
 use alloc::vec::Vec;
 use ca_core::io::Hear;
 use ca_core::kind::Unit;
-use ca_core::numeric::real;
 use ca_core::op::layout::DcBlocker;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::show;
@@ -66,14 +65,14 @@ pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<DcBlocker
     let mut all = Vec::new();
     for o in still_first(net.outs.iter().filter(|o| is_passed(net, o)).collect()) {
         let Some(f) = cutoff(net, o).filter(|_| o.hear != Hear::Acceleration) else {
-            all.push(DcBlocker { r: real(0.0), g: real(1.0) });
+            all.push(DcBlocker { r: 0.0, g: 1.0 });
             continue;
         };
         if f * net.tick_dt >= 0.5 && o.item.is_some_and(|i| reported.insert(i)) {
             diags.push(too_high(model, net, o, f));
         }
         let t = libm::tan(PI * f * net.tick_dt);
-        all.push(DcBlocker { r: real((1.0 - t) / (1.0 + t)), g: real(1.0 / (1.0 + t)) });
+        all.push(DcBlocker { r: (1.0 - t) / (1.0 + t), g: 1.0 / (1.0 + t) });
     }
     all
 }

@@ -10,7 +10,6 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::live::{Controls, DrivenParam, LivePlan, Patch};
-use ca_core::numeric::real;
 use ca_core::op::driven::Driven;
 use ca_model::diag::{Diag, Diags};
 
@@ -132,7 +131,7 @@ fn table(plan: &LivePlan, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -
         all.iter().enumerate().map(off).fold(0.0, f64::max) <= STRAIGHT * largest
     });
     let kept: Vec<&Vec<f64>> = if straight { alloc::vec![&all[0], &all[last]] } else { all.iter().collect() };
-    let table = kept.iter().flat_map(|r| columns.iter().map(|j| real(r[*j]))).collect();
+    let table = kept.iter().flat_map(|r| columns.iter().map(|j| r[*j])).collect();
     let places = columns.iter().map(|j| written[*j]).collect();
     Ok(Driven { input: d.input, span: d.span, rows: kept.len(), places, table })
 }

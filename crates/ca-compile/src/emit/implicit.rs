@@ -10,8 +10,8 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::method::implicit::Inertia;
+use ca_core::numeric::Precision;
 use ca_core::numeric::ldl::Pattern;
-use ca_core::numeric::{real, wide};
 use ca_core::op::Op;
 use ca_core::op::layout::{ImplicitLinks, LinkForce, Pair};
 use ca_model::diag::{Diag, Diags};
@@ -82,10 +82,10 @@ impl Plan<'_> {
             for p in pulls {
                 if p.moves {
                     let next = number.len() as u32;
-                    force.moving.push((*number.entry(p.place).or_insert(next), real(p.weight)));
+                    force.moving.push((*number.entry(p.place).or_insert(next), p.weight));
                 } else {
                     needed |= p.heard;
-                    force.fixed.push((p.place, real(p.weight)));
+                    force.fixed.push((p.place, p.weight));
                 }
             }
             rows.push((coef, force, needed));
@@ -111,7 +111,9 @@ impl Plan<'_> {
         for (coef, mut f, needed) in rows {
             f.moving.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
             let first = made.entries.len() as u32;
-            made.entries.extend(f.moving.iter().map(|(i, w)| (*i, wide(*w))));
+            // as the tick has them
+            let kept = |w: f64| if net.precision == Precision::Single { f64::from(w as f32) } else { w };
+            made.entries.extend(f.moving.iter().map(|(i, w)| (*i, kept(*w))));
             made.links.push((coef, [first, f.moving.len() as u32]));
             forces.extend(needed.then_some(f));
         }

@@ -14,7 +14,6 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::numeric::{Real, real};
 use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::scene::{Order, Start, start};
@@ -47,8 +46,8 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
 pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> State {
     let n = layout.n_mat;
     let mut s = written;
-    let delayed: Vec<Real> =
-        (0..n).map(|i| layout.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { real(0.0) } else { s.d[i] }).collect();
+    let delayed: Vec<f64> =
+        (0..n).map(|i| layout.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { 0.0 } else { s.d[i] }).collect();
     for op in forces.iter().filter(|op| op.name == "weight") {
         (op.kernel)(op, layout, &mut s);
     }
@@ -58,10 +57,10 @@ pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> St
             s.d[i] = p * s.d[i] + q * s.x[i] + c * s.f[i];
             s.x[i] += s.d[i];
         }
-        s.f[i] = real(0.0);
+        s.f[i] = 0.0;
     }
     let mut s = start(layout, forces, Start { order: Order::Exact, ..begin }, s);
-    let forces_at = |speed: &dyn Fn(usize) -> Real| {
+    let forces_at = |speed: &dyn Fn(usize) -> f64| {
         let mut trial = s.clone();
         for i in 0..n {
             trial.d[i] = speed(i);

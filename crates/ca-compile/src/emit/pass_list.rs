@@ -5,10 +5,8 @@ use crate::emit::plan::Plan;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::border;
-use ca_core::method::{implicit, modes, quadratised};
 use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
-use ca_core::op::{Kernel, Op, SolveStage, blocker, driven, energy, heard, lowpass, pass, wave};
+use ca_core::op::{Op, Pass, SolveStage, pass};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
@@ -16,21 +14,21 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let points = layout.moving_points.len();
     let modules = layout.n_mat + layout.n_lia;
     let modal = layout.modal.len();
-    let list: [(bool, &'static str, Kernel, usize); 10] = [
-        (!layout.enx.is_empty(), "ENX", pass::enx, layout.enx.len()),
-        (!layout.tgr.is_empty(), "TGR in", border::position(layout), layout.tgr.len()),
-        (modal > 0, "modal ports", pass::sum, modal),
+    let list: [(bool, Pass, usize); 10] = [
+        (!layout.enx.is_empty(), Pass::Enx, layout.enx.len()),
+        (!layout.tgr.is_empty(), Pass::DevicesIn(layout.way(), layout.crossing.latency > 0), layout.tgr.len()),
+        (modal > 0, Pass::ModalPorts, modal),
         // the ledger asks whether anything is on its way
-        (!layout.driven.is_empty(), "driven", driven::drive, layout.driven.iter().map(|d| d.places.len()).sum()),
+        (!layout.driven.is_empty(), Pass::Driven, layout.driven.iter().map(|d| d.places.len()).sum()),
         // and needs the points where the last tick had them
-        (kept && points > 0, "points", pass::project, points),
-        (kept, "ledger", energy::ledger, modules),
-        (live > 0, "changes", pass::ramp, live),
-        (aimed, "aim", pass::aim, points),
-        (points > 0 && (!kept || aimed), "points", pass::project, points),
-        (kept && (live > 0 || aimed), "ledger of changes", energy::ledger_changes, modules),
+        (kept && points > 0, Pass::Points, points),
+        (kept, Pass::Ledger, modules),
+        (live > 0, Pass::Changes, live),
+        (aimed, Pass::Aim, points),
+        (points > 0 && (!kept || aimed), Pass::Points, points),
+        (kept && (live > 0 || aimed), Pass::LedgerOfChanges, modules),
     ];
-    list.into_iter().filter(|p| p.0).map(|(_, name, kernel, n)| Op::pass(name, kernel, n)).collect()
+    list.into_iter().filter(|p| p.0).map(|(_, pass, n)| Op::pass(pass, n)).collect()
 }
 
 /// Forces at the present positions: from outside in space, weight, waves, links, from outside on a line, and what goes on to others.
@@ -38,15 +36,15 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
 /// its masses may have it added; of `layout.enf` the first `in_space` are those in space, which no such row has.
 pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, in_space: usize) -> Vec<Op> {
     let mut list = Vec::new();
-    let enf = |first: usize, n: usize| Op { first, ..Op::pass("ENF", pass::enf::<true>, n) };
+    let enf = |first: usize, n: usize| Op { first, ..Op::pass(Pass::Enf { counted: true }, n) };
     if in_space > 0 {
         list.push(enf(0, in_space));
     }
     if !layout.weighed.is_empty() {
-        list.push(Op { coef: weight, ..Op::pass("weight", pass::weight, layout.weighed.len()) });
+        list.push(Op { coef: weight, ..Op::pass(Pass::Weight, layout.weighed.len()) });
     }
     if !layout.waves.delays.is_empty() {
-        list.push(Op::pass("waves in", wave::arrive, layout.waves.delays.len()));
+        list.push(Op::pass(Pass::WavesIn, layout.waves.delays.len()));
     }
     let late = links.split_off(late);
     list.extend(links);
@@ -54,51 +52,48 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
         list.push(enf(in_space, layout.enf.len() - in_space));
     }
     if !layout.moving_points.is_empty() {
-        list.push(Op::pass("points back", pass::spread, layout.moving_points.len()));
+        list.push(Op::pass(Pass::PointsBack, layout.moving_points.len()));
     }
     if !layout.modal.is_empty() {
-        list.push(Op::pass("modes", pass::share, layout.modal.len()));
+        list.push(Op::pass(Pass::Modes, layout.modal.len()));
     }
     if let Some(a) = &layout.implicit {
         let (places, pairs) = (a.places.len(), a.pairs.len());
         if places > 0 {
-            list.push(Op::pass("implicit", implicit::solve, places));
+            list.push(Op::pass(Pass::Implicit, places));
         }
         if pairs > 0 {
             let coef = a.coef + a.pattern.numbers() + places;
-            list.push(Op { coef, ..Op::pass("implicit pairs", implicit::pairs, pairs) });
+            list.push(Op { coef, ..Op::pass(Pass::ImplicitPairs, pairs) });
         }
     }
-    let together = late
-        .iter()
-        .find_map(|o| if let Some(SolveStage::Coupled(f)) = o.law.map(|l| l.stage) { Some(f) } else { None });
+    let together = late.iter().any(|o| o.law.is_some_and(|l| matches!(l.stage, SolveStage::Coupled)));
     let solved = layout.solved_modal.len();
     if solved > 0 {
-        list.push(Op::pass("modes ahead", modes::ahead, solved));
+        list.push(Op::pass(Pass::ModesAhead, solved));
     }
     list.extend(late);
-    let coupled = !layout.modal_couplings.is_empty();
-    let together = together.map(|solve| if coupled { quadratised::solve_modes as Kernel } else { solve });
-    list.extend(together.map(|solve| Op::pass("contacts", solve, layout.n_touch)));
+    let modes = !layout.modal_couplings.is_empty();
+    list.extend(together.then(|| Op::pass(Pass::Contacts { modes }, layout.n_touch)));
     if solved > 0 {
-        list.push(Op::pass("modes again", modes::back, solved));
+        list.push(Op::pass(Pass::ModesAgain, solved));
     }
     let (keys, kept, feedback) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
     let aside = keys > 0 && kept && !feedback;
     if aside {
-        list.push(Op::pass("TGR mute", border::mute, keys));
+        list.push(Op::pass(Pass::Mute, keys));
     }
     if keys > 0 && (feedback || kept) {
-        list.push(Op::pass("TGR out", border::collect(layout), keys));
+        list.push(Op::pass(Pass::DevicesOut(layout.way()), keys));
     }
     if keys > 0 && kept {
-        list.push(Op::pass("ledger of the border", border::ledger(layout), keys));
+        list.push(Op::pass(Pass::LedgerOfBorder(layout.way()), keys));
     }
     if aside {
-        list.push(Op::pass("TGR mute", border::mute, keys));
+        list.push(Op::pass(Pass::Mute, keys));
     }
     if layout.ledger.is_some() {
-        list.push(Op::pass("ledger of forces", energy::keep, layout.n_mat));
+        list.push(Op::pass(Pass::LedgerOfForces, layout.n_mat));
     }
     list
 }
@@ -132,20 +127,20 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
     let each = layout.outputs.len() == layout.n_out && layout.outputs.iter().enumerate().all(position);
     let outputs = match () {
-        () if each && high + motion == 0 => pass::positions,
-        () if layout.output_rows.is_empty() => pass::outputs,
-        () => pass::many_outputs,
+        () if each && high + motion == 0 => Pass::Positions,
+        () if layout.output_rows.is_empty() => Pass::Outputs,
+        () => Pass::ManyOutputs,
     };
     let list = [
-        (again > 0, "heard links", heard::heard as Kernel, again, 0),
+        (again > 0, Pass::HeardLinks, again, 0),
         // it clears what the others add to
-        (plain + motion + high > 0, "outputs", outputs, plain, 0),
-        (motion > 0, "outputs of motion", pass::motions, motion, plain),
-        (high > passed, "high pass", blocker::blocker, high - passed, plain + motion),
-        (passed > 0, "high pass of motion", blocker::of_motion, passed, layout.outputs.len() - passed),
-        (!layout.lowpass.is_empty(), "low pass", lowpass::lowpass, layout.channels, 0),
+        (plain + motion + high > 0, outputs, plain, 0),
+        (motion > 0, Pass::Motions, motion, plain),
+        (high > passed, Pass::HighPass, high - passed, plain + motion),
+        (passed > 0, Pass::HighPassOfMotion, passed, layout.outputs.len() - passed),
+        (!layout.lowpass.is_empty(), Pass::LowPass, layout.channels, 0),
     ];
-    let op = |(_, name, kernel, n, first)| Op { first, coef: gains + first, ..Op::pass(name, kernel, n) };
+    let op = |(_, pass, n, first)| Op { first, coef: gains + first, ..Op::pass(pass, n) };
     list.into_iter().filter(|p| p.0).map(op).collect()
 }
 
@@ -187,9 +182,8 @@ impl Plan<'_> {
 
 /// Integration with stretches of MAS in the pass of the CELs beside them where that costs less ([`cost`]): P is 1 for them and Q is 0, which changes no bit.
 pub fn merged(moves: Vec<Op>) -> Vec<Op> {
-    let is = |op: &Op, kernel: Kernel| core::ptr::fn_addr_eq(op.kernel, kernel);
-    let full = |op: &Op| is(op, pass::integrate_full);
-    let short = |op: &Op| is(op, pass::integrate_free) && cost::merges(op.n);
+    let full = |op: &Op| op.pass == Pass::IntegrateFull;
+    let short = |op: &Op| op.pass == Pass::IntegrateFree && cost::merges(op.n);
     let mut all: Vec<Op> = Vec::with_capacity(moves.len());
     for op in moves {
         match all.last_mut() {
@@ -225,19 +219,19 @@ pub fn moves(classes: &[Option<Class>], n_mat: usize, ways: usize) -> (Vec<Op>, 
     for stretch in classes.chunk_by(|a, b| a == b) {
         let first = at;
         at += stretch.len();
-        let (name, kernel): (_, Kernel) = match stretch[0] {
+        let pass = match stretch[0] {
             Some(Class::Held) => continue,
-            Some(Class::Full) => ("integrate CEL", pass::integrate_full),
+            Some(Class::Full) => Pass::IntegrateFull,
             // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
-            Some(Class::Free) | None => ("integrate MAS", pass::integrate_free),
+            Some(Class::Free) | None => Pass::IntegrateFree,
         };
-        ops.push(Op { mat: first, ..Op::pass(name, kernel, stretch.len()) });
+        ops.push(Op { mat: first, ..Op::pass(pass, stretch.len()) });
     }
     if ways > 0 {
-        ops.push(Op::pass("waves out", wave::depart, ways));
+        ops.push(Op::pass(Pass::WavesOut, ways));
     }
     if !classes.is_empty() {
-        ops.push(Op::pass("flush", pass::flush, n_mat));
+        ops.push(Op::pass(Pass::Flush, n_mat));
     }
     (ops, classes.contains(&Some(Class::Full)))
 }

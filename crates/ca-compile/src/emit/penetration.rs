@@ -4,7 +4,6 @@ use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::kind::Unit;
-use ca_core::numeric::{Real, real, wide};
 use ca_core::op::layout::PairSet;
 use ca_core::op::links::measure::measure;
 use ca_core::op::links::pair_set;
@@ -41,13 +40,13 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
 type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
-fn coefs(net: &Pruned, l: &LiaNode) -> Vec<Real> {
-    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt).into_iter().map(real).collect()
+fn coefs(net: &Pruned, l: &LiaNode) -> Vec<f64> {
+    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt)
 }
 
 /// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
-fn force(net: &Pruned, l: &LiaNode, c: &[Real], e: Real) -> Real {
-    (l.law.force)(c, &mut l.law.started(c, e), &net.tables, e, real(0.0))
+fn force(net: &Pruned, l: &LiaNode, c: &[f64], e: f64) -> f64 {
+    (l.law.fns.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
 }
 
 fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {
@@ -57,12 +56,12 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
             Measure::Line([a, b]) => [at[0][a as usize], 0.0, 0.0, at[1][b as usize], 0.0, 0.0],
             _ => [at[0][0], at[0][1], at[0][2], at[1][0], at[1][1], at[1][2]],
         };
-        wide(measure(m.measure(), &places.map(real), &[real(0.0); 6], [0, 3], &reach.map(real)).e)
+        measure(m.measure(), &places, &[0.0; 6], [0, 3], reach).e
     };
     let second = l.onto.as_ref().map_or(0.0, |o| elongation(o.ends, o.measure, &reach[1]));
     let e = e0 + elongation(l.ends, l.measure, &reach[0]) + second;
     let c = coefs(net, l);
-    let f = wide(force(net, l, &c, real(e)));
+    let f = force(net, l, &c, e);
     (f != 0.0).then_some((l.ends, e, f))
 }
 
@@ -70,12 +69,12 @@ fn of_set(net: &Pruned, l: &LiaNode) -> Option<Pressed> {
     let sets = l.sets.as_deref()?;
     let members = || sets.iter().flatten().map(|m| &net.mats[*m as usize]);
     // the members alone, three places each
-    let rest: Vec<Real> = members().flat_map(|m| m.rest.map(real)).collect();
-    let x: Vec<Real> = members().flat_map(|m| m.dx0.map(real)).collect();
+    let rest: Vec<f64> = members().flat_map(|m| m.rest).collect();
+    let x: Vec<f64> = members().flat_map(|m| m.dx0).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());
     let set = PairSet::new([&places[0], &places[1]]);
     let c = coefs(net, l);
-    let (i, j, e, f) = pair_set::pressed(&set, &rest, &x, (l.law.idle)(&c), |e| force(net, l, &c, e))?;
+    let (i, j, e, f) = pair_set::pressed(&set, &rest, &x, (l.law.fns.idle)(&c), |e| force(net, l, &c, e))?;
     let name = |k: usize| sets.iter().flatten().nth(k).map(|m| End::Mat(*m));
-    Some(([name(i)?, name(j)?], wide(e), wide(f)))
+    Some(([name(i)?, name(j)?], e, f))
 }

@@ -26,11 +26,11 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::kind::PortRole;
 use ca_core::live::Loader;
-use ca_core::numeric::{Aligned, Real, VerletList, lift, real};
+use ca_core::numeric::{Aligned, Precision, VerletList};
 use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
 use ca_core::op::{Op, Vectors};
 use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{InputRole, Location, Order, Scene, Start, Symbols, start};
+use ca_core::scene::{Before, InputRole, Location, Order, Scene, Start, Symbols, start};
 use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -110,7 +110,7 @@ pub fn schedule(
         };
         let live = |a: &Account| {
             let second = a.ports.onto.is_some_and(|o| of_ends(&links.onto, o.1, a.n));
-            turns(a.coef..a.coef + a.n * a.coefs) || of_ends(&links.ends, a.first, a.n) || second
+            turns(a.coef..a.coef + a.n * a.law.coefs) || of_ends(&links.ends, a.first, a.n) || second
         };
         let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
         LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
@@ -135,19 +135,19 @@ pub fn schedule(
         n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
         ends: links.ends,
         onto: links.onto,
-        reach: links.reach.iter().map(|r| r.map(real)).collect(),
+        reach: links.reach,
         rows: Vec::new(),
         output_rows: Vec::new(),
         pair_sets: links.pair_sets,
-        e0: reals(links.e0),
-        rest: reals(rest),
+        e0: links.e0,
+        rest,
         nodes,
         moving_points,
         modal,
-        shares: reals(shares),
+        shares,
         solved_modal: solved_modal.list,
         modal_couplings: solved_modal.groups,
-        couplings: reals(solved_modal.couplings),
+        couplings: solved_modal.couplings,
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
         enx,
         enf,
@@ -160,7 +160,7 @@ pub fn schedule(
         outputs,
         of_motion: of_motion(net),
         blockers: blockers(model, net, diags),
-        lowpass: if net.channels.is_empty() { Vec::new() } else { reals(net.lowpass.clone()) },
+        lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
         implicit: implicit.map(|a| a.0),
         ledger,
         slow: None,
@@ -197,7 +197,7 @@ pub fn schedule(
         () => Order::Second,
     };
     let begin = Start { order, sticks: options.arithmetic.is_none_or(|a| a >= 5) };
-    let mut loaded = loaded(net, &layout, x, &v, coef, (live_places, whole));
+    let mut loaded = loaded(net, &layout, &x, &v, &coef, (live_places, whole));
     loaded.written = written.orders(loaded.coef.len());
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
         let own = slow.state(&group);
@@ -207,8 +207,9 @@ pub fn schedule(
         layout.slow = Some(Arc::new(group));
     }
     let as_milib = net.as_milib && !diags.has_errors();
-    let ahead = !as_milib && net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
-    let before = ahead.then(|| (begin, loaded.clone()));
+    let ahead = net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
+    let kept = !as_milib && (ahead || net.precision == Precision::Single);
+    let before = kept.then(|| Before { start: begin, state: loaded.clone(), forces: listed.clone() });
     let mut initial =
         if as_milib { milib::first(&layout, &listed, begin, loaded) } else { start(&layout, &listed, begin, loaded) };
     initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
@@ -252,12 +253,7 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     for (m, at) in plan.net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
-            all.extend(input.map(|input| Enx {
-                input,
-                mat: at + k as u32,
-                rest: lift(m.rest[k]),
-                implicit: implicit(at),
-            }));
+            all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
         }
     }
     all
@@ -294,7 +290,7 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
         let Op { n, ports, first, coef, mem, tap, .. } = *op;
-        let (coefs, mems, energies, idle) = (law.coefs, law.mem, law.energies, law.idle);
+        let (energies, idle) = (law.fns.energies, law.fns.idle);
         let on_a_line = ports.measure == MeasureKind::Line && ports.onto.is_none() && ports.pair_set.is_none();
         let rows = if on_a_line { Row::two(&links.ends[first..first + n], n_mat) } else { <[Row; 2]>::default() };
         // a distance is no linear function of places: the identity then holds only with what the link made
@@ -302,22 +298,7 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
         // what is implicit to a port that then goes another way is not exact either
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
-        Some(Account {
-            op: index(i),
-            n,
-            ports,
-            first,
-            coef,
-            mem,
-            tap,
-            coefs,
-            mems,
-            linear,
-            live: false,
-            energies,
-            rows,
-            idle,
-        })
+        Some(Account { op: index(i), n, ports, first, coef, mem, tap, law, linear, live: false, energies, rows, idle })
     };
     links.forces.iter().enumerate().filter_map(account).collect()
 }
@@ -335,48 +316,43 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
     all
 }
 
-/// Numbers as a tick has them.
-fn reals<All: FromIterator<Real>>(all: Vec<f64>) -> All {
-    all.into_iter().map(real).collect()
-}
-
 /// The state as written: every mass where its author put it, with the speed it was given.
 fn loaded(
     net: &Pruned,
     layout: &Layout,
-    x: Vec<f64>,
+    x: &[f64],
     v: &[f64],
-    coef: Vec<f64>,
+    coef: &[f64],
     (live, whole): (Vec<u32>, u32),
 ) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     State {
         scene: Identity::default(),
-        x: reals(x),
-        d: v.iter().map(|v| real(v * net.tick_dt)).collect(),
+        x: Aligned::from(x),
+        d: v.iter().map(|v| v * net.tick_dt).collect(),
         f: Aligned::zeros(layout.n_mat),
-        mem: alloc::vec![real(0.0); layout.n_mem],
+        mem: alloc::vec![0.0; layout.n_mem],
         lengths: layout.reach.iter().map(|_| UNKNOWN).collect(),
         tap: Aligned::zeros(layout.n_tap),
         last_input: input.clone(),
-        output: alloc::vec![lift(0.0); layout.n_out],
+        output: alloc::vec![0.0; layout.n_out],
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.moving_points.len()],
         slow: None,
         border: alloc::vec![Border::default(); layout.tgr.len()],
         late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
-        blocked: alloc::vec![[real(0.0); 2]; layout.blockers.len()],
+        blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
         glide: layout.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
-        lowpass: alloc::vec![real(0.0); layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
+        lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
         ramps: Ramps::new(live, whole),
         written: Default::default(),
-        implicit: alloc::vec![real(0.0); layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
+        implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ledger: layout.ledger.as_ref().map(|_| Box::new(Ledger::new(layout))),
         tick: 0,
         refused: 0,
         input,
-        coef: reals(coef),
+        coef: Aligned::from(coef),
     }
 }
 

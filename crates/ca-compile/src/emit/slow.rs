@@ -9,9 +9,8 @@ use crate::passes::slow::SlowPart;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::border;
-use ca_core::numeric::{real, wide};
 use ca_core::op::layout::{Copied, Layout, Response, SlowGroup};
-use ca_core::op::{Kernel, MeasureKind, Op};
+use ca_core::op::{MeasureKind, Op, Pass};
 use ca_core::scene::Scene;
 use ca_core::state::{SlowState, State};
 
@@ -37,8 +36,8 @@ impl<'a> Slow<'a> {
         for (m, at) in net.mats.iter().zip(&place).filter(|(m, at)| **at != u32::MAX && !m.is_fixed()) {
             for k in 0..m.axes as usize {
                 let moved = m.v[k] * net.tick_dt;
-                scene.initial.x[*at as usize + k] = real(m.dx0[k] + 0.5 * moved);
-                scene.initial.d[*at as usize + k] = real(moved);
+                scene.initial.x[*at as usize + k] = m.dx0[k] + 0.5 * moved;
+                scene.initial.d[*at as usize + k] = moved;
             }
         }
         Slow { part, scene, place }
@@ -109,15 +108,11 @@ impl<'a> Slow<'a> {
 /// Passes of the border, put where they belong.
 pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
     let ports = reads.iter().take_while(|op| matches!(op.name, "ENX" | "TGR in")).count();
-    let [advance, collect]: [Kernel; 2] = if group.compensated {
-        [border::group::advance::<true>, border::group::collect::<true>]
-    } else {
-        [border::group::advance::<false>, border::group::collect::<false>]
-    };
-    reads.insert(ports, Op::pass("gesture group", advance, group.ports.len()));
+    let compensated = group.compensated;
+    reads.insert(ports, Op::pass(Pass::Group { compensated }, group.ports.len()));
     if group.coupled > 0 {
         let kept = forces.iter().filter(|op| op.name == "ledger of forces").count();
-        forces.insert(forces.len() - kept, Op::pass("gesture group out", collect, group.coupled));
+        forces.insert(forces.len() - kept, Op::pass(Pass::GroupOut { compensated }, group.coupled));
     }
 }
 
@@ -147,18 +142,18 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
     // mean forces of one frame from `s` on, in which port `moving` goes a metre
     let frame_of = |mut s: State, moving: Option<usize>| -> Vec<f64> {
         let mut mean = alloc::vec![0.0; n];
-        let still: Vec<f64> = coupled.iter().map(|p| wide(s.x[p.at as usize])).collect();
+        let still: Vec<f64> = coupled.iter().map(|p| s.x[p.at as usize]).collect();
         let step = 1.0 / f64::from(frame);
         for j in 1..=frame {
             for (k, p) in coupled.iter().enumerate() {
                 let by = if moving == Some(k) { step } else { 0.0 };
-                s.x[p.at as usize] = real(still[k] + f64::from(j) * by);
-                s.d[p.at as usize] = real(by);
-                s.f[p.at as usize] = real(0.0);
+                s.x[p.at as usize] = still[k] + f64::from(j) * by;
+                s.d[p.at as usize] = by;
+                s.f[p.at as usize] = 0.0;
             }
             for (at, _) in reach.iter().filter(|(_, held)| *held) {
                 let at = *at as usize;
-                s.f[at] = real(0.0);
+                s.f[at] = 0.0;
                 if j > 1 {
                     s.x[at] += s.d[at];
                 }
@@ -167,7 +162,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
             tick.forces.iter().for_each(|op| (op.kernel)(op, layout, &mut s));
             let weight = if j == frame { 0.5 * step } else { step };
             for (mean, p) in mean.iter_mut().zip(coupled) {
-                *mean += weight * wide(s.f[p.at as usize]);
+                *mean += weight * s.f[p.at as usize];
             }
             tick.moves.iter().for_each(|op| (op.kernel)(op, layout, &mut s));
         }
@@ -187,7 +182,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
         for (column, moved) in [(1 + 2 * k, false), (2 + 2 * k, true)].into_iter().take(1 + usize::from(motion)) {
             let mut s = blank.clone();
             let of = if moved { &mut s.d } else { &mut s.x };
-            of[*at as usize] = real(1.0);
+            of[*at as usize] = 1.0;
             for (i, (mean, always)) in frame_of(s, None).iter().zip(&always).enumerate() {
                 known[i * width + column] = mean - always;
             }
@@ -201,7 +196,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
     }
     // T²/m
     let mobility =
-        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| wide(s.state.coef[2 * group.layout.n_mat + p.own as usize]));
+        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.n_mat + p.own as usize]);
     let mobility: Vec<f64> = coupled.iter().map(mobility).collect();
     Response { places, known, answer: solved(&by_motion, &mobility, n) }
 }
@@ -237,7 +232,7 @@ fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
 /// A state in which nothing was put anywhere.
 pub fn blank(loaded: &State, slow: SlowState) -> State {
     let mut s = State { ledger: None, slow: Some(alloc::boxed::Box::new(slow)), ..loaded.clone() };
-    s.x.fill(real(0.0));
-    s.d.fill(real(0.0));
+    s.x.fill(0.0);
+    s.d.fill(0.0);
     s
 }

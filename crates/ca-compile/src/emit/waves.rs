@@ -2,7 +2,6 @@
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
-use ca_core::numeric::lift;
 use ca_core::op::layout::{Delay, Junction, Termination, Waves};
 use ca_core::tuning::wave::Loss;
 
@@ -20,14 +19,14 @@ impl Plan<'_> {
             let base = all.junctions.len();
             let z = line.asked.z / self.net.tick_dt;
             for m in line.junctions() {
-                all.junctions.push(Junction { mat: self.slot[m as usize], z: lift(z), memory: take(3) });
+                all.junctions.push(Junction { mat: self.slot[m as usize], z, memory: take(3) });
             }
             let last = tuned.delays.len() - 1;
             for (i, len) in tuned.delays.iter().copied().enumerate() {
                 // before the first junction and behind the last a wave comes back to where it was
                 let sides = [(i > 0).then(|| (base + i - 1, 1)), (i < last).then_some((base + i, 0))];
                 let [left, right] = sides;
-                let mut lossy = |loss: Loss| Termination::Lossy { loss: loss.map(lift), memory: take(1) };
+                let mut lossy = |loss: Loss| Termination::Lossy { loss, memory: take(1) };
                 // taps and allpass of the near end take two samples of its delay; every ring of taps has three more
                 let ways = match (left, right, tuned.near) {
                     (Some(a), Some(b), _) => {

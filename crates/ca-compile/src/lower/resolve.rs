@@ -87,6 +87,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     }
     equivalence::equivalence(model, &mut net, &mut v);
     params::place(&mut v, &mut net);
+    net.precision = options.precision;
     net.tables = v.tables;
     // lists that grew hold room for as much again, which would stay until all is compiled
     net.mats.shrink_to_fit();

@@ -13,7 +13,6 @@ use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::io::Hear;
 use ca_core::law::Bound;
-use ca_core::numeric::{bare, lift};
 use ca_core::op::pass;
 use ca_core::tuning::Scheme;
 
@@ -367,8 +366,8 @@ fn at_end(
     let Some(at) = still else { return family.nodes.iter().map(|m| on(*m)).collect() };
     let size = family.size;
     let steps = [0, 1].map(|k| {
-        let (i, part) = pass::step(lift(at.get(k).copied().unwrap_or(0.0).clamp(0.0, 1.0)), size[k].max(1));
-        (i, bare(part))
+        let (i, part) = pass::step(at.get(k).copied().unwrap_or(0.0).clamp(0.0, 1.0), size[k].max(1));
+        (i, part)
     });
     let mut here = Vec::new();
     for (i, a) in [(steps[0].0, 1.0 - steps[0].1), (steps[0].0 + 1, steps[0].1)] {

@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use ca_core::equivalence::Equivalence;
 use ca_core::live::{LiveParam, Source};
 use ca_core::method::pefrl::LIMIT;
-use ca_core::numeric::Table;
+use ca_core::numeric::{Precision, Table};
 use ca_core::op::layout::Crossing;
 use ca_core::scene::Input;
 use ca_core::tuning::{Method, Scheme};
@@ -89,6 +89,8 @@ pub struct Resolved {
     pub slow: bool,
     /// whether the first two samples are those of mi.lib
     pub as_milib: bool,
+    /// the number that the scene is bound to
+    pub precision: Precision,
     /// what was left out, in words
     pub left_out: Vec<String>,
 }

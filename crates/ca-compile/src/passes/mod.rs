@@ -6,6 +6,7 @@ pub mod implicit;
 pub mod modal;
 pub mod pefrl;
 pub mod prune;
+pub mod rates;
 pub mod reach;
 pub mod single;
 pub mod slow;

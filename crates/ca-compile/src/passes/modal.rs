@@ -26,7 +26,7 @@ use alloc::vec::Vec;
 use ca_core::kind::name::{Name, Part};
 use ca_core::kind::{Coefs, MatSpec, Role};
 use ca_core::live::Source;
-use ca_core::numeric::DUAL;
+use ca_core::numeric::Precision;
 use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
@@ -120,7 +120,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
         diags.push(refuse(model, net, item, "E027", title, &help));
         return;
     };
-    if DUAL {
+    if net.precision == Precision::Dual {
         found.list.iter_mut().for_each(oriented);
     }
     warn(model, net, item, &found.list, &name, diags);

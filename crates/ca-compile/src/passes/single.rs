@@ -15,7 +15,7 @@ use alloc::format;
 use alloc::vec::Vec;
 use ca_core::live::{Loader, Source};
 use ca_core::method::implicit::inertia;
-use ca_core::numeric::{Real, TINY, real, wide};
+use ca_core::numeric::{NONE, Real};
 use ca_core::phi::bow::SET_VALUED;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
@@ -26,8 +26,9 @@ const STIFFEST: f64 = 100.0;
 const FADES: f64 = 0.01;
 
 /// True where a number becomes nothing, or infinite.
-fn is_lost(v: f64, least: Real) -> bool {
-    v != 0.0 && !(real(v).abs() >= least && real(v).is_finite())
+fn is_lost(v: f64, least: f32) -> bool {
+    let kept = v as f32;
+    v != 0.0 && v != NONE && !(kept.abs() >= least && kept.is_finite())
 }
 
 /// Says of each item what is not kept of it, once.
@@ -49,17 +50,17 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
     let (label, help) = ("not from 1e-38 to 3e38 in a tick", "use numbers nearer to 1, or double precision");
     let mut mobility: Vec<f64> = alloc::vec![0.0; net.mats.len()];
     for (i, m) in net.mats.iter().enumerate().filter(|(i, _)| net.alive[*i]) {
-        if m.dx0.iter().chain(&m.v.map(|v| v * net.tick_dt)).any(|v| is_lost(*v, TINY)) {
+        if m.dx0.iter().chain(&m.v.map(|v| v * net.tick_dt)).any(|v| is_lost(*v, f32::TINY)) {
             tell(m.item, beyond(&m.name), "not from 1e-30 m to 3e38 m", help);
         }
         let MatRole::Mat(spec) = m.role else { continue };
         let friction = if spec.fixed { 0.0 } else { net.medium(m).friction };
         let c = load(Loader::Mat(spec, friction), m.item, &m.values);
         mobility[i] = c[2];
-        if c.iter().any(|v| is_lost(*v, Real::MIN_POSITIVE)) {
+        if c.iter().any(|v| is_lost(*v, f32::MIN_POSITIVE)) {
             tell(m.item, beyond(&m.name), label, help);
         }
-        let (asked, kept) = (1.0 - c[0], 1.0 - wide(real(c[0])));
+        let (asked, kept) = (1.0 - c[0], 1.0 - f64::from(c[0] as f32));
         if (kept - asked).abs() > FADES * asked.abs() {
             let d = Diag::warning("W114", format!("`{}` fades too slowly for single precision", m.name));
             tell(m.item, d, "its decay is off by more than 1 %", "use a lower rate, no damper, or double precision");
@@ -67,7 +68,7 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
     }
     for l in &net.lias {
         let c = load(Loader::Lia(l.law), l.item, &l.values);
-        if c.iter().any(|v| is_lost(*v, Real::MIN_POSITIVE)) {
+        if c.iter().any(|v| is_lost(*v, f32::MIN_POSITIVE)) {
             tell(l.item, beyond(&l.name), label, help);
         } else if l.is_radial() {
             let d = Diag::error("E028", format!("`{}` measures a distance in space, in single precision", l.name));
@@ -92,7 +93,7 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
     }
     for o in &net.outs {
         let Some(id) = o.item else { continue };
-        if is_lost(load(Loader::Times(o.share), id, &[o.gain])[0], Real::MIN_POSITIVE) {
+        if is_lost(load(Loader::Times(o.share), id, &[o.gain])[0], f32::MIN_POSITIVE) {
             tell(id, beyond(&o.name), label, help);
         }
     }

@@ -5,6 +5,7 @@
 //! of the rattle); a spring on a key is felt with the delay κ·T of its mean force, held by the device
 //! (docs/numerics.md §5.2), and that is what limits its stiffness.
 
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 
 /// Delays of a scene, all in seconds.
@@ -24,7 +25,7 @@ pub struct Delays {
 }
 
 /// The delays of a scene.
-pub fn delays(layout: &Layout) -> Delays {
+pub fn delays<R: Real>(layout: &Layout<R>) -> Delays {
     let frame = f64::from(layout.ratio) * layout.sample_dt;
     let late = f64::from(layout.crossing.latency);
     let force = frame * (1.0 + late);

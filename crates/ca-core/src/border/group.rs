@@ -18,7 +18,7 @@
 //! and made a spring across a negative damper of higher order; by the parabola it is a positive one. Energy is not kept:
 //! the ledger has an account of it.
 
-use crate::numeric::{real, wide};
+use crate::numeric::{Real, real, wide};
 use crate::op::Op;
 use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::op::substep::phase;
@@ -26,7 +26,7 @@ use crate::state::{Between, SlowState, State, Unknown};
 
 /// Steps the group as a frame begins, and moves the copies of its places in every tick. Whether its border is
 /// compensated was chosen at load.
-pub fn advance<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(group) = layout.slow.as_deref() else { return };
     let Some(mut slow) = s.slow.take() else { return };
     let j = phase(layout.frame, s.tick);
@@ -37,9 +37,9 @@ pub fn advance<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State
     } else if j == 1 {
         if COMPENSATED {
             let made = expect(layout, &mut slow);
-            s.ledger.iter_mut().for_each(|l| l.border += made);
+            s.ledger.iter_mut().for_each(|l| l.border += real(made));
         }
-        step::<COMPENSATED>(group, layout, s, &mut slow);
+        step::<R, COMPENSATED>(group, layout, s, &mut slow);
     }
     if j <= 1 {
         show(group, &slow, s);
@@ -63,7 +63,7 @@ pub fn advance<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State
 }
 
 /// Keeps the forces on what links across hold, after the forces of a tick; of a compensated border, their sum over the frame too.
-pub fn collect<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
         b.force = wide(s.f[p.at as usize]);
@@ -80,7 +80,7 @@ pub fn collect<const COMPENSATED: bool>(_op: &Op, layout: &Layout, s: &mut State
 
 /// As a frame ends: what links across did in it that was not known, and what of it is expected in the next. Returns the
 /// energy that the frame made, what the group was given beyond what was taken from the sound \[J\].
-fn expect(layout: &Layout, slow: &mut SlowState) -> f64 {
+fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
     let mut made = 0.0;
     for (u, b) in slow.unknown.iter_mut().zip(&slow.ports) {
         let missed = u.sum / f64::from(layout.frame) - u.given;
@@ -94,13 +94,13 @@ fn expect(layout: &Layout, slow: &mut SlowState) -> f64 {
 }
 
 /// Where a place of the group is at the end of the frame.
-fn end(slow: &SlowState, p: Copied) -> f64 {
+fn end<R: Real>(slow: &SlowState<R>, p: Copied) -> f64 {
     let m = p.own as usize;
     wide(slow.state.x[m]) - 0.5 * wide(slow.state.d[m])
 }
 
 /// Its places were written: the copies begin the next frame where it is now, held by nothing across.
-pub fn placed(group: &SlowGroup, slow: &mut SlowState) {
+pub fn placed<R: Real>(group: &SlowGroup<R>, slow: &mut SlowState<R>) {
     slow.state.placed();
     for (k, p) in group.ports.iter().enumerate() {
         let to = end(slow, *p);
@@ -110,23 +110,28 @@ pub fn placed(group: &SlowGroup, slow: &mut SlowState) {
 }
 
 /// The copies that are only looked at.
-fn show(group: &SlowGroup, slow: &SlowState, s: &mut State) {
+fn show<R: Real>(group: &SlowGroup<R>, slow: &SlowState<R>, s: &mut State<R>) {
     for p in &group.shown {
         s.x[p.at as usize] = real(end(slow, *p));
     }
 }
 
-fn run(list: &[Op], group: &SlowGroup, s: &mut State) {
+fn run<R: Real>(list: &[Op<R>], group: &SlowGroup<R>, s: &mut State<R>) {
     for op in list {
         (op.kernel)(op, &group.layout, s);
     }
 }
 
 /// One frame of the group: its own forces, those of the links across, integration.
-fn step<const COMPENSATED: bool>(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+fn step<R: Real, const COMPENSATED: bool>(
+    group: &SlowGroup<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
+    slow: &mut SlowState<R>,
+) {
     run(&group.reads, group, &mut slow.state);
     run(&group.forces, group, &mut slow.state);
-    couple::<COMPENSATED>(group, layout, s, slow);
+    couple::<R, COMPENSATED>(group, layout, s, slow);
     run(&group.after, group, &mut slow.state);
     run(&group.moves, group, &mut slow.state);
     slow.state.tick += 1;
@@ -138,7 +143,12 @@ fn step<const COMPENSATED: bool>(group: &SlowGroup, layout: &Layout, s: &State, 
 }
 
 /// The mean force of the frame on each port, as a force from outside.
-fn couple<const COMPENSATED: bool>(group: &SlowGroup, layout: &Layout, s: &State, slow: &mut SlowState) {
+fn couple<R: Real, const COMPENSATED: bool>(
+    group: &SlowGroup<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
+    slow: &mut SlowState<R>,
+) {
     let (response, n) = (&group.response, group.layout.n_mat);
     let width = 1 + 2 * response.places.len();
     let SlowState { state, ports, unknown, free } = slow;

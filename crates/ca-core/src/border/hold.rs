@@ -5,23 +5,23 @@
 //! frame sooner and make energy, 3 % of what crosses (docs/numerics.md §5.1).
 
 use super::{begin, phase, place};
-use crate::numeric::wide;
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
-pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let ports = &layout.tgr[..op.n];
     if phase(layout.frame, s.tick) <= 1 {
-        begin::<LATE>(layout, s, ports);
+        begin::<R, LATE>(layout, s, ports);
     }
     place(s, ports, |b| b.to);
 }
 
 /// The mean of the last force before the jump and the first after it. [`Border::sum`](crate::state::Border::sum) holds the
 /// last force of the frame before, then this mean until the frame ends.
-pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         let f = wide(s.f[p.mat as usize]);

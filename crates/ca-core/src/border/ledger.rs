@@ -8,14 +8,14 @@
 //! force and gives nothing. Signs are those of [`Border::force`](crate::state::Border::force), the force *on* the hand.
 
 use super::phase;
-use crate::numeric::wide;
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
 /// with the one before is what the scene receives by.
-pub(super) fn ledger<const SYNC: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn ledger<R: Real, const SYNC: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.frame, s.tick);
     if j != 0 && j != layout.frame {
         return;

@@ -1,16 +1,16 @@
 //! Linear position, trapezoid mean force: the default border.
 
 use super::{begin, phase, place};
-use crate::numeric::wide;
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick, on the straight line through the frame.
-pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (j, ports) = (phase(layout.frame, s.tick), &layout.tgr[..op.n]);
     if j <= 1 {
-        begin::<LATE>(layout, s, ports);
+        begin::<R, LATE>(layout, s, ports);
     }
     if j == layout.frame || j == 0 {
         place(s, ports, |b| b.to);
@@ -21,7 +21,7 @@ pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State
 }
 
 /// The mean over the frame, its first and last force counted half.
-pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.frame, s.tick);
     let f = &s.f[..];
     let each = layout.tgr[..op.n].iter().map(|p| wide(f[p.mat as usize])).zip(&mut s.border);

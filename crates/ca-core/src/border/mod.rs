@@ -11,8 +11,8 @@
 //! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
 //! held by the device until the next.
 
-use crate::numeric::{bare, real};
-use crate::op::layout::{Enx, Layout, Shape};
+use crate::numeric::{Real, real, wide};
+use crate::op::layout::{Enx, Layout, Way};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
 use crate::state::{Border, State};
@@ -27,39 +27,39 @@ mod synchronous;
 pub use delays::{Delays, delays};
 
 /// True where the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
-pub fn frame_due(layout: &Layout, sample: u64) -> bool {
+pub fn frame_due<R: Real>(layout: &Layout<R>, sample: u64) -> bool {
     phase(layout.ratio, sample) <= 1
 }
 
-/// The pass that moves device ports, for what this layout asks.
-pub fn position(layout: &Layout) -> Kernel {
-    match (layout.frame, layout.crossing.shape, layout.crossing.latency > 0) {
-        (1, _, false) => synchronous::position::<false>,
-        (1, _, true) => synchronous::position::<true>,
-        (_, Shape::Linear, false) => linear::position::<false>,
-        (_, Shape::Linear, true) => linear::position::<true>,
-        (_, Shape::Hold, false) => hold::position::<false>,
-        (_, Shape::Hold, true) => hold::position::<true>,
+/// The pass that moves device ports.
+pub fn position<R: Real>(way: Way, late: bool) -> Kernel<R> {
+    match (way, late) {
+        (Way::Synchronous, false) => synchronous::position::<R, false>,
+        (Way::Synchronous, true) => synchronous::position::<R, true>,
+        (Way::Linear, false) => linear::position::<R, false>,
+        (Way::Linear, true) => linear::position::<R, true>,
+        (Way::Hold, false) => hold::position::<R, false>,
+        (Way::Hold, true) => hold::position::<R, true>,
     }
 }
 
 /// The pass that takes the force on device ports after the forces of a tick.
-pub fn collect(layout: &Layout) -> Kernel {
-    match (layout.frame, layout.crossing.shape) {
-        (1, _) => synchronous::collect,
-        (_, Shape::Linear) => linear::collect,
-        (_, Shape::Hold) => hold::collect,
+pub fn collect<R: Real>(way: Way) -> Kernel<R> {
+    match way {
+        Way::Synchronous => synchronous::collect,
+        Way::Linear => linear::collect,
+        Way::Hold => hold::collect,
     }
 }
 
 /// The pass that keeps the ledger of the border.
-pub fn ledger(layout: &Layout) -> Kernel {
-    if layout.frame == 1 { ledger::ledger::<true> } else { ledger::ledger::<false> }
+pub fn ledger<R: Real>(way: Way) -> Kernel<R> {
+    if way == Way::Synchronous { ledger::ledger::<R, true> } else { ledger::ledger::<R, false> }
 }
 
 /// Where no force goes to the hand: it is taken for the ledger, and never given. Runs before and after that, so that
 /// what was collected lies with the ledger between ticks, and the state is that of a scene without one.
-pub fn mute(op: &Op, _layout: &Layout, s: &mut State) {
+pub fn mute<R: Real>(op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     for (b, e) in s.border[..op.n].iter_mut().zip(&mut l.hands) {
         core::mem::swap(&mut b.sum, &mut e.sum);
@@ -69,7 +69,7 @@ pub fn mute(op: &Op, _layout: &Layout, s: &mut State) {
 
 /// The device position that reaches the scene with this frame \[m\], absolute: the one just read, or that of
 /// `latency` frames ago. The very first stands for all before it.
-fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -> f64 {
+fn arrive<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, k: usize, p: &Enx<R>) -> f64 {
     let x = s.valid_input(p.input);
     if !LATE {
         return x;
@@ -86,9 +86,9 @@ fn arrive<const LATE: bool>(layout: &Layout, s: &mut State, k: usize, p: &Enx) -
 }
 
 /// Takes in the positions of all ports for the frame that begins.
-fn begin<const LATE: bool>(layout: &Layout, s: &mut State, ports: &[Enx]) {
+fn begin<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, ports: &[Enx<R>]) {
     for (k, p) in ports.iter().enumerate() {
-        let x = arrive::<LATE>(layout, s, k, p) - bare(p.rest);
+        let x = arrive::<R, LATE>(layout, s, k, p) - wide(p.rest);
         let b = &mut s.border[k];
         b.from = if s.tick == 0 { x } else { b.to };
         b.to = x;
@@ -97,7 +97,7 @@ fn begin<const LATE: bool>(layout: &Layout, s: &mut State, ports: &[Enx]) {
 
 /// Puts ports where their frame says, `at` of it from `from` to `to`, relative to their rest.
 #[inline(always)]
-fn place(s: &mut State, ports: &[Enx], at: impl Fn(&Border) -> f64) {
+fn place<R: Real>(s: &mut State<R>, ports: &[Enx<R>], at: impl Fn(&Border) -> f64) {
     let first = s.tick == 0;
     let x = &mut s.x[..];
     // of one length, so that a port is looked up once in all

@@ -4,20 +4,20 @@
 //! rate there is nothing to resample, and this is the delay the papers take for granted.
 
 use super::{begin, place};
-use crate::numeric::wide;
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick.
-pub(super) fn position<const LATE: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let ports = &layout.tgr[..op.n];
-    begin::<LATE>(layout, s, ports);
+    begin::<R, LATE>(layout, s, ports);
     place(s, ports, |b| b.to);
 }
 
 /// The force of this tick; the first, which only places the device, gives none.
-pub(super) fn collect(op: &Op, layout: &Layout, s: &mut State) {
+pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if s.tick == 0 {
         return;
     }

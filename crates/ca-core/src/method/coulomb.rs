@@ -12,7 +12,7 @@ use super::{free_motion, mobility};
 use crate::law::Bound;
 use crate::numeric::{Real, real};
 use crate::op::layout::Layout;
-use crate::op::{Energies, Law, Op, SolveStage};
+use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 
 /// What a link remembers: 1 where it sticks, and the heat of the tick \[J\].
@@ -23,27 +23,35 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     Law {
         code,
         mem: MEM,
+        bound: |_, _| Bound { curve: true, ..Bound::default() },
+        stage: SolveStage::Single(together),
+        simpler: |_| None,
+        fns: fns(curve.fns),
+        ..curve
+    }
+}
+
+/// Its functions, from those of the curve.
+pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
+    LawFns {
         // what stands still at load sticks
         start: |_, [_, w], mem| {
-            mem[0] = real(if w == 0.0 { 1.0 } else { 0.0 });
+            mem[0] = real(if w == R::ZERO { 1.0 } else { 0.0 });
             mem[1] = real(0.0);
         },
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
-        bound: |_, _| Bound { curve: true, ..Bound::default() },
         kernel: |_| rub,
-        stage: SolveStage::Single(together),
-        simpler: |_| None,
         ..curve
     }
 }
 
 /// Applies the links of `op`, one by one.
-fn rub(op: &Op, layout: &Layout, s: &mut State) {
+fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
-        let [f, fd]: [Real; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let [f, fd]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != 0.0;
+        let stuck = s.mem[mem] != R::ZERO;
         // what stuck has no motion but that of rounding
         let w = if stuck { real(0.0) } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
@@ -52,7 +60,7 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
         s.f[p] += force;
         s.f[q] -= force;
         s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
-        s.mem[mem + 1] = force * 0.5 * (w + (r - c * force));
+        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
         }
@@ -61,24 +69,24 @@ fn rub(op: &Op, layout: &Layout, s: &mut State) {
 
 /// The force \[N\], and whether it sticks in this tick: of the largest forces of sticking and of sliding, the relative motion of the last
 /// tick and that which all other forces make \[m/tick\], the mobility of all ends \[m/N\], and whether it stuck before.
-pub fn hold([f, fd]: [Real; 2], [w, r]: [Real; 2], c: Real, stuck: bool) -> (Real, bool) {
+pub fn hold<R: Real>([f, fd]: [R; 2], [w, r]: [R; 2], c: R, stuck: bool) -> (R, bool) {
     let most = if stuck { f } else { fd };
-    if w * r < 0.0 || (c <= 0.0 && r == 0.0) {
-        return (real(0.0), stuck && c <= 0.0);
+    if w * r < R::ZERO || (c <= R::ZERO && r == R::ZERO) {
+        return (real(0.0), stuck && c <= R::ZERO);
     }
     // between two ports nothing can be held
-    let needed = if c > 0.0 { r / c } else { Real::INFINITY.copysign(r) };
+    let needed = if c > R::ZERO { r / c } else { R::INFINITY.copysign(r) };
     if needed.abs() <= most { (needed, true) } else { (fd.copysign(r), false) }
 }
 
 /// The force of what slides, and the curve where links share a mass: a creep of `v0`.
 #[inline(always)]
-pub fn sliding([f, fd, v0]: [Real; 3], w: Real) -> Real {
+pub fn sliding<R: Real>([f, fd, v0]: [R; 3], w: R) -> R {
     if w.abs() <= v0 { f * (w / v0) } else { fd.copysign(w) }
 }
 
 /// The same over the motion.
 #[inline(always)]
-pub fn chord([f, fd, v0]: [Real; 3], w: Real) -> Real {
+pub fn chord<R: Real>([f, fd, v0]: [R; 3], w: R) -> R {
     if w.abs() <= v0 { f / v0 } else { fd / w.abs() }
 }

@@ -16,27 +16,30 @@
 //! the contacts: the λ of the secant are viscosities there. A table that drives is cut to what resists.
 
 use super::newton::root;
-use super::quadratised::{self, join, reach};
+use super::quadratised::{join, reach};
 use super::{free_motion, mobility};
 use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table, real, wide};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Energies, Form, Kernel, Law, Op, SolveStage};
+use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
 /// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
 /// to 4.48 (docs/numerics.md §3.5).
-pub const STEEPEST: Real = real(4.0);
+pub const STEEPEST: f64 = 4.0;
 
 /// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {
     /// F(w)/w \[N per m/tick\]; the slope at rest for w = 0.
-    fn chord(c: &[Real; C], tables: &[Table], w: Real) -> Real;
+    fn chord<R: Real>(c: &[R; C], tables: &[Table<R>], w: R) -> R;
+
+    /// The steepest slope \[N per m/tick\].
+    fn steep<R: Real>(c: &[f64; C], tables: &[Table<R>]) -> f64;
 
     /// The slope at w \[N per m/tick\].
-    fn slope(c: &[Real; C], tables: &[Table], w: Real) -> Real;
+    fn slope<R: Real>(c: &[R; C], tables: &[Table<R>], w: R) -> R;
 }
 
 /// The curve by secant or `NEWTON`; where it may not act alone, `together` runs. Memory: heat of the tick \[J\].
@@ -48,12 +51,22 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     Law {
         code,
         mem: 1,
-        start: |_, _, mem| mem.fill(real(0.0)),
-        energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[0]),
         bound: bound::<P, C>,
-        kernel: |_| rub::<P, C, NEWTON>,
         stage: SolveStage::Single(together),
         simpler: |_| None,
+        fns: alone_fns::<f64, P, C, NEWTON>(curve.fns),
+        ..curve
+    }
+}
+
+/// Its functions, from those of the curve.
+pub const fn alone_fns<R: Real, P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
+    curve: LawFns<R>,
+) -> LawFns<R> {
+    LawFns {
+        start: |_, _, mem| mem.fill(real(0.0)),
+        energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[0]),
+        kernel: |_| rub::<R, P, C, NEWTON>,
         ..curve
     }
 }
@@ -63,12 +76,20 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     Law {
         code,
         mem: 2,
+        bound: bound::<P, C>,
+        stage: SolveStage::Coupled,
+        simpler: |_| None,
+        fns: together_fns::<f64, P, C>(curve.fns),
+        ..curve
+    }
+}
+
+/// Its functions, from those of the curve.
+pub const fn together_fns<R: Real, P: Curve<C> + 'static, const C: usize>(curve: LawFns<R>) -> LawFns<R> {
+    LawFns {
         start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
-        bound: bound::<P, C>,
-        kernel: kernel::<P, C>,
-        stage: SolveStage::Coupled(quadratised::solve),
-        simpler: |_| None,
+        kernel: kernel::<R, P, C>,
         ..curve
     }
 }
@@ -78,32 +99,32 @@ fn bound<P: Curve<C>, const C: usize>(c: &[f64], tables: &[Table]) -> Bound {
     Bound { active: false, ..c.first_chunk().map_or(Bound::default(), |c| P::bound(c, tables)) }
 }
 
-fn kernel<P: Curve<C>, const C: usize>(form: Form) -> Kernel {
+fn kernel<R: Real, P: Curve<C> + 'static, const C: usize>(form: Form) -> Kernel<R> {
     match form.measure {
-        MeasureKind::Line => gather::<P, Line, C>,
-        MeasureKind::Along => gather::<P, Along, C>,
-        MeasureKind::Radial => gather::<P, Radial, C>,
+        MeasureKind::Line => gather::<R, P, Line, C>,
+        MeasureKind::Along => gather::<R, P, Along, C>,
+        MeasureKind::Radial => gather::<R, P, Radial, C>,
     }
 }
 
 /// Applies the links of `op`, one by one.
-fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout, s: &mut State) {
+fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let tables = &layout.tables;
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
         let w = s.d[q] - s.d[p];
-        let r = 0.5 * (w + (free_motion(layout, s, q) - free_motion(layout, s, p)));
-        let c = 0.5 * (mobility(layout, s, p) + mobility(layout, s, q));
-        let mut steep = P::chord(&coef, tables, w).max(0.0);
-        if NEWTON && 2.0 * c * real(P::bound(&coef.map(wide), tables).z) < STEEPEST {
-            let u = root(r / (1.0 + c * steep), [r.min(0.0), r.max(0.0)], real(0.0), |u| {
+        let r = R::of(0.5) * (w + (free_motion(layout, s, q) - free_motion(layout, s, p)));
+        let c = R::of(0.5) * (mobility(layout, s, p) + mobility(layout, s, q));
+        let mut steep = P::chord(&coef, tables, w).max(R::ZERO);
+        if NEWTON && R::of(2.0) * c * real(P::steep(&coef.map(wide), tables)) < R::of(STEEPEST) {
+            let u = root(r / (R::of(1.0) + c * steep), [r.min(R::ZERO), r.max(R::ZERO)], real(0.0), |u| {
                 let force = P::force(&coef, &mut [], tables, real(0.0), u);
-                (u + c * force - r, 1.0 + c * P::slope(&coef, tables, u))
+                (u + c * force - r, R::of(1.0) + c * P::slope(&coef, tables, u))
             });
-            steep = P::chord(&coef, tables, u).max(0.0);
+            steep = P::chord(&coef, tables, u).max(R::ZERO);
         }
-        let moved = r / (1.0 + c * steep);
+        let moved = r / (R::of(1.0) + c * steep);
         let force = steep * moved;
         s.f[p] += force;
         s.f[q] -= force;
@@ -115,14 +136,14 @@ fn rub<P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op, layout: &Layout
 }
 
 /// Collects the links of `op`.
-fn gather<P: Curve<C>, G: Measure, const C: usize>(op: &Op, layout: &Layout, s: &mut State) {
+fn gather<R: Real, P: Curve<C>, G: Measure, const C: usize>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
         let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
-        let z = P::chord(&coef, &layout.tables, measured.w).max(0.0);
-        let link = reach::<G>(op, layout, s, i, real(1.0), measured.gradient());
+        let z = P::chord(&coef, &layout.tables, measured.w).max(R::ZERO);
+        let link = reach::<R, G>(op, layout, s, i, real(1.0), measured.gradient());
         join(s, ActiveContact { z, ..link });
     }
 }

@@ -20,58 +20,61 @@ use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
 use crate::numeric::{Real, real, sqrt};
 use crate::op::layout::Layout;
-use crate::op::{Energies, Law, Op, SolveStage};
+use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 
 /// A one-sided spring by this method; where it may not act alone, `other` runs. Memory: heat of the tick \[J\].
-pub const fn law<S: Spring>(spring: Law, other: &'static Law) -> Law {
-    Law {
-        mem: 1,
+pub const fn law<S: Spring<f64>>(spring: Law, other: &'static Law) -> Law {
+    Law { mem: 1, stage: SolveStage::Single(other), fns: fns::<f64, S>(spring.fns), ..spring }
+}
+
+/// Its functions, from those of the spring.
+pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
+    LawFns {
         start: |_, _, mem| mem.fill(real(0.0)),
         energies: Energies::kept(spring.energies.stored, |_, mem, _, _| mem[0]),
-        kernel: |_| push::<S>,
-        stage: SolveStage::Single(other),
+        kernel: |_| push::<R, S>,
         ..spring
     }
 }
 
 /// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. Where it lets go that is a
 /// quadratic for every spring.
-fn after<S: Spring>(spring: S, e: Real, a: Real, h: Real) -> Real {
-    if a >= 0.0 {
+fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
+    if a >= R::ZERO {
         let g = h * spring.hard(a);
         if e < g * a {
-            let (p, q) = (a + e, sqrt((a - e) * (a - e) + 4.0 * g * a * a));
-            return if p > 0.0 { 2.0 * a * (e - g * a) / (p + q) } else { 0.5 * (p - q) };
+            let (p, q) = (a + e, sqrt((a - e) * (a - e) + R::of(4.0) * g * a * a));
+            return if p > R::ZERO { R::of(2.0) * a * (e - g * a) / (p + q) } else { R::of(0.5) * (p - q) };
         }
-    } else if e <= 0.0 {
+    } else if e <= R::ZERO {
         return e;
     }
     spring.pressed(e, a, h)
 }
 
 /// Applies the contacts of `op`, one by one.
-fn push<S: Spring>(op: &Op, layout: &Layout, s: &mut State) {
+fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
-        let contact = Contact::<S>::read(s, op.coef, op.n, i);
+        let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
         let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
         let e = s.x[q] - s.x[p] + layout.e0[op.first + i];
         let now = contact.penetration(e);
         let a = now + contact.side * (s.d[q] - s.d[p]);
         let free = contact.penetration(e + (free_motion(layout, s, q) - free_motion(layout, s, p)));
-        let z = if now > 0.0 { contact.spring.viscosity(contact.k, now) } else { real(0.0) };
+        let z = if now > R::ZERO { contact.spring.viscosity(contact.k, now) } else { real(0.0) };
         let (mut force, mut heat) = (real(0.0), real(0.0));
-        if free > 0.0 || a > 0.0 || z > 0.0 {
+        if free > R::ZERO || a > R::ZERO || z > R::ZERO {
             let c = mobility(layout, s, p) + mobility(layout, s, q);
-            let beta = 0.5 * c * z;
-            let h = 0.5 * c * contact.k / (1.0 + beta);
-            let to = after(contact.spring, (free + beta * a) / (1.0 + beta), a, h);
+            let beta = R::of(0.5) * c * z;
+            let h = R::of(0.5) * c * contact.k / (R::of(1.0) + beta);
+            let to = after(contact.spring, (free + beta * a) / (R::of(1.0) + beta), a, h);
             force = contact.slope(to, a);
-            let moved = if S::HARDENS { (free - a - c * force) / (1.0 + beta) } else { to - a };
-            force += 0.5 * z * moved;
-            heat = 0.25 * z * moved * moved;
-            if contact.clip && force < 0.0 {
-                (force, heat) = (real(0.0), 0.5 * (contact.potential(a) - contact.potential(free)));
+            let moved = if S::HARDENS { (free - a - c * force) / (R::of(1.0) + beta) } else { to - a };
+            force += R::of(0.5) * z * moved;
+            heat = R::of(0.25) * z * moved * moved;
+            if contact.clip && force < R::ZERO {
+                (force, heat) = (real(0.0), R::of(0.5) * (contact.potential(a) - contact.potential(free)));
             }
         }
         let tension = -contact.side * force;

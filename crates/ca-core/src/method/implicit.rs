@@ -17,7 +17,7 @@
 //! goes is not known yet: it goes on as it went.
 
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, real, wide};
+use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::{ImplicitLinks, Layout};
 use crate::state::State;
@@ -29,7 +29,7 @@ pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
 }
 
 /// Replaces forces by those that the matrix of inertia lets act.
-pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(a) = &layout.implicit else { return };
     let n = layout.n_mat;
     let (factor, inertia) = s.coef[a.coef..].split_at(a.pattern.numbers());
@@ -37,26 +37,26 @@ pub fn solve(_op: &Op, layout: &Layout, s: &mut State) {
     for (((u, own), p), inertia) in u.iter_mut().zip(&mut *own).zip(&a.places).zip(inertia) {
         let p = *p as usize;
         // what the spring and damper of a MAT of its own add to its motion, as a force
-        *own = ((s.coef[p] - 1.0) * s.d[p] + s.coef[n + p] * s.x[p]) * inertia;
+        *own = ((s.coef[p] - R::of(1.0)) * s.d[p] + s.coef[n + p] * s.x[p]) * *inertia;
         *u = s.f[p] + *own;
     }
     a.pattern.solve(factor, u);
     for (((u, own), p), inertia) in u.iter().zip(&*own).zip(&a.places).zip(inertia) {
-        s.f[*p as usize] = u * inertia - own;
+        s.f[*p as usize] = *u * *inertia - *own;
     }
     feel(a, s);
 }
 
 /// Completes the force of links that are heard, and of what they hold.
-fn feel(a: &ImplicitLinks, s: &mut State) {
+fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     for l in &a.forces {
-        let turned: Real = l.moving.iter().map(|(i, w)| w * s.implicit[*i as usize]).sum();
-        let more = real(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
+        let turned: R = l.moving.iter().map(|(i, w)| *w * s.implicit[*i as usize]).sum();
+        let more = R::of(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
         }
         for (p, w) in &l.fixed {
-            s.f[*p as usize] -= w * more;
+            s.f[*p as usize] -= *w * more;
         }
     }
 }
@@ -65,7 +65,7 @@ fn feel(a: &ImplicitLinks, s: &mut State) {
 ///
 /// The motion of both ends is made of one common part and what is left of their own, never as a force and its opposite:
 /// the force from before the tick may be 10⁶ times what acts in the end, and its last digit would stretch the link.
-pub fn pairs(op: &Op, layout: &Layout, s: &mut State) {
+pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(implicit) = &layout.implicit else { return };
     let n = layout.n_mat;
     let (p, q, c) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n]);
@@ -73,14 +73,14 @@ pub fn pairs(op: &Op, layout: &Layout, s: &mut State) {
     for (pair, numbers) in implicit.pairs.iter().zip(numbers) {
         let [a, b] = pair.ends.map(|i| i as usize);
         let &[g, left, inertia_a, inertia_b] = numbers else { continue };
-        let own = |i: usize| (p[i] - 1.0) * s.d[i] + q[i] * s.x[i];
+        let own = |i: usize| (p[i] - R::of(1.0)) * s.d[i] + q[i] * s.x[i];
         let (own_a, own_b) = (own(a), own(b));
         let (free_a, free_b) = (c[a] * s.f[a] + own_a, c[b] * s.f[b] + own_b);
         let common = g * left * (c[b] * free_a + c[a] * free_b);
         let more = g * left * (free_b - free_a);
-        let acts = |i: usize, free: Real, own: Real, inertia: Real, more: Real| {
+        let acts = |i: usize, free: R, own: R, inertia: R, more: R| {
             // what no force moves is not pushed any less
-            if inertia == 0.0 { s.f[i] + more } else { (common + left * free - own) * inertia }
+            if inertia == R::ZERO { s.f[i] + more } else { (common + left * free - own) * inertia }
         };
         let acting = (acts(a, free_a, own_a, inertia_a, more), acts(b, free_b, own_b, inertia_b, -more));
         (s.f[a], s.f[b]) = acting;

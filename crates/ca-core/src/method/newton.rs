@@ -3,43 +3,37 @@
 //! Decides for Newton's step where it stays between the bounds and halving where it does not, so that a kink or a flat
 //! place costs a step and never the root; what is returned lies between the bounds whatever the function is.
 
-#[cfg(dual)]
-use crate::numeric::wide;
-use crate::numeric::{Real, real};
+use crate::numeric::{Precision, Real, real, wide};
 
 /// More is never taken: halving alone leaves nothing of a double's 53 bits.
 const STEPS: usize = 64;
 /// A step this small, as part of the place, is the last: the next would be its square.
-const NEAR: Real = real(1e-9);
+const NEAR: f64 = 1e-9;
 
 /// The root of a function from `s` on between `low` and `high`; `at` gives value and slope. Changes are small beside
 /// `scale` or the place itself.
 #[inline]
-pub fn root(mut s: Real, [mut low, mut high]: [Real; 2], scale: Real, at: impl Fn(Real) -> (Real, Real)) -> Real {
+pub fn root<R: Real>(mut s: R, [mut low, mut high]: [R; 2], scale: R, at: impl Fn(R) -> (R, R)) -> R {
     for _ in 0..STEPS {
         let (value, slope) = at(s);
         let to = s - value / slope;
-        if (to - s).abs() <= NEAR * scale.max(s.abs()) {
+        if (to - s).abs() <= R::of(NEAR) * scale.max(s.abs()) {
             return derived(to.max(low).min(high), at);
         }
-        (low, high) = if value > 0.0 { (low, s) } else { (s, high) };
-        s = if low < to && to < high { to } else { 0.5 * (low + high) };
+        (low, high) = if value > R::ZERO { (low, s) } else { (s, high) };
+        s = if low < to && to < high { to } else { R::of(0.5) * (low + high) };
     }
     derived(s, at)
 }
 
-/// A root, which has no derivatives beside itself.
-#[cfg(not(dual))]
-#[inline(always)]
-fn derived(root: Real, _: impl Fn(Real) -> (Real, Real)) -> Real {
-    root
-}
-
 /// A root with its derivatives by what the function depends on: those of its value there, over its slope. The steps that led
 /// there have others, which are as near to them as the last step was small.
-#[cfg(dual)]
-fn derived(root: Real, at: impl Fn(Real) -> (Real, Real)) -> Real {
-    let root = real(wide(root));
+#[inline(always)]
+fn derived<R: Real>(root: R, at: impl Fn(R) -> (R, R)) -> R {
+    if !matches!(R::PRECISION, Precision::Dual) {
+        return root;
+    }
+    let root: R = real(wide(root));
     let (value, slope) = at(root);
-    if slope == 0.0 { root } else { root - (value - wide(value)) / slope }
+    if slope == R::ZERO { root } else { root - (value - real(wide(value))) / slope }
 }

@@ -20,9 +20,9 @@ const LAMBDA: f64 = -0.212_341_831_062_605_4;
 const CHI: f64 = -0.066_264_582_669_818_5;
 
 /// Shares of a tick that the drifts take.
-pub const DRIFTS: [Real; 5] = [real(XI), real(CHI), real(1.0 - 2.0 * (CHI + XI)), real(CHI), real(XI)];
+pub const DRIFTS: [f64; 5] = [XI, CHI, 1.0 - 2.0 * (CHI + XI), CHI, XI];
 /// Shares of a tick that the kicks between them take.
-pub const KICKS: [Real; 4] = [real(0.5 - LAMBDA), real(LAMBDA), real(LAMBDA), real(0.5 - LAMBDA)];
+pub const KICKS: [f64; 4] = [0.5 - LAMBDA, LAMBDA, LAMBDA, 0.5 - LAMBDA];
 
 /// The stiffness T²k/m from which on an oscillator grows: where [`explicit`] reaches 4, the limit of that scheme.
 pub const LIMIT: f64 = 8.936_808_587_521_949;
@@ -34,47 +34,47 @@ pub fn explicit(a: f64) -> f64 {
 }
 
 /// Moves all places by the share [`DRIFTS`]`[op.first]` of their motion; forces there start from nothing.
-pub fn drift(op: &Op, layout: &Layout, s: &mut State) {
-    wide::<Drift>(op, layout, s);
+pub fn drift<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::<R, Drift>(op, layout, s);
 }
 
 struct Drift;
 
-impl Body for Drift {
+impl<R: Real> Body<R> for Drift {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, _: &Layout, s: &mut State) {
-        let (n, share) = (op.n, DRIFTS[op.first]);
+    fn run<S: Simd>(_: S, op: &Op<R>, _: &Layout<R>, s: &mut State<R>) {
+        let (n, share) = (op.n, R::of(DRIFTS[op.first]));
         for ((x, d), f) in s.x[..n].iter_mut().zip(&s.d[..n]).zip(&mut s.f[..n]) {
-            *x += share * d;
+            *x += share * *d;
             *f = real(0.0);
         }
     }
 }
 
 /// Changes the motion of all places by the share [`KICKS`]`[op.first]` of a tick of their force.
-pub fn kick(op: &Op, layout: &Layout, s: &mut State) {
-    wide::<Kick<false>>(op, layout, s);
+pub fn kick<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::<R, Kick<false>>(op, layout, s);
 }
 
 /// The same with the springs of cells.
-pub fn kick_own(op: &Op, layout: &Layout, s: &mut State) {
-    wide::<Kick<true>>(op, layout, s);
+pub fn kick_own<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::<R, Kick<true>>(op, layout, s);
 }
 
 struct Kick<const OWN: bool>;
 
-impl<const OWN: bool> Body for Kick<OWN> {
+impl<R: Real, const OWN: bool> Body<R> for Kick<OWN> {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        let (n, share) = (op.n, KICKS[op.first]);
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+        let (n, share) = (op.n, R::of(KICKS[op.first]));
         let c = &s.coef[2 * layout.n_mat..][..n];
         for ((d, f), c) in s.d[..n].iter_mut().zip(&s.f[..n]).zip(c) {
-            *d += share * (c * f);
+            *d += share * (*c * *f);
         }
         if OWN {
             let q = &s.coef[layout.n_mat..][..n];
             for ((d, x), q) in s.d[..n].iter_mut().zip(&s.x[..n]).zip(q) {
-                *d += share * (q * x);
+                *d += share * (*q * *x);
             }
         }
     }

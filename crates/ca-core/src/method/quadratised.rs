@@ -32,47 +32,55 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility, modes};
-use crate::numeric::{Real, SINGLE, real, sqrt};
+use crate::numeric::{Precision, Real, real, sqrt};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Energies, Form, Kernel, Law, Op, SolveStage};
+use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, ActiveContacts};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
-const EXACT: Real = real(if SINGLE { 3e-13 } else { 1e-30 });
+fn exact<R: Real>() -> R {
+    real(if matches!(R::PRECISION, Precision::Single) { 3e-13 } else { 1e-30 })
+}
+
 /// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
-const NOTHING: Real = real(if SINGLE { 1e-35 } else { 1e-200 });
+fn nothing<R: Real>() -> R {
+    real(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
+}
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
-pub const fn law<S: Spring>(spring: Law) -> Law {
-    Law {
-        mem: 2,
+pub const fn law<S: Spring<f64>>(spring: Law) -> Law {
+    Law { mem: 2, stage: SolveStage::Coupled, fns: fns::<f64, S>(spring.fns), ..spring }
+}
+
+/// Its functions, from those of the spring.
+pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
+    LawFns {
         start: |c, [e, _], mem| {
-            let b = Contact::<S>::of(c);
-            mem[0] = sqrt(2.0 * b.potential(b.penetration(e)));
+            let b = Contact::<R, S>::of(c);
+            mem[0] = sqrt(R::of(2.0) * b.potential(b.penetration(e)));
             mem[1] = real(0.0);
         },
-        energies: Energies::kept(|_, mem, _, _, _| 0.5 * mem[0] * mem[0], |_, mem, _, _| mem[1]),
-        kernel: kernel::<S>,
-        stage: SolveStage::Coupled(solve),
+        energies: Energies::kept(|_, mem, _, _, _| R::of(0.5) * mem[0] * mem[0], |_, mem, _, _| mem[1]),
+        kernel: kernel::<R, S>,
         ..spring
     }
 }
 
-fn kernel<S: Spring>(form: Form) -> Kernel {
+fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
     match form.measure {
-        MeasureKind::Line => gather::<S, Line>,
-        MeasureKind::Along => gather::<S, Along>,
-        MeasureKind::Radial => gather::<S, Radial>,
+        MeasureKind::Line => gather::<R, S, Line>,
+        MeasureKind::Along => gather::<R, S, Along>,
+        MeasureKind::Radial => gather::<R, S, Radial>,
     }
 }
 
 /// Collects the contacts of `op` that act in this tick.
-fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
+fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
-        let contact = Contact::<S>::read(s, op.coef, op.n, i);
+        let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
         let ends = layout.ends[op.first + i].map(|m| m as usize);
         let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
         let mem = op.mem + 2 * i;
@@ -81,76 +89,76 @@ fn gather<S: Spring, G: Measure>(op: &Op, layout: &Layout, s: &mut State) {
         if op.form.tap {
             s.tap[op.tap + i] = real(0.0);
         }
-        if psi == 0.0 {
+        if psi == R::ZERO {
             // idle, without the square root
-            let d = contact.d.max(0.0);
-            if G::square(&s.x, ends, &at).is_some_and(|l| contact.side * (d * d - l) < 0.0) {
+            let d = contact.d.max(R::ZERO);
+            if G::square(&s.x, ends, &at).is_some_and(|l| contact.side * (d * d - l) < R::ZERO) {
                 continue;
             }
         }
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let eta = contact.penetration(measured.e + layout.e0[op.first + i]);
-        if eta < 0.0 && psi * psi <= NOTHING {
+        if eta < R::ZERO && psi * psi <= nothing() {
             s.mem[mem] = real(0.0);
             continue;
         }
-        let link = reach::<G>(op, layout, s, i, contact.side, measured.gradient());
+        let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
         let (free, w) = (link.free, link.diag);
-        let (gamma, z) = match (eta >= 0.0, free < 0.0) {
+        let (gamma, z) = match (eta >= R::ZERO, free < R::ZERO) {
             (true, opening) => {
-                let gamma = if opening && psi == 0.0 { real(0.0) } else { contact.spring.gamma(contact.k, eta) };
+                let gamma = if opening && psi == R::ZERO { real(0.0) } else { contact.spring.gamma(contact.k, eta) };
                 (gamma, contact.spring.viscosity(contact.k, eta))
             }
-            (false, true) => (4.0 * psi / (sqrt(free * free + 4.0 * w * psi * psi) - free), real(0.0)),
+            (false, true) => (R::of(4.0) * psi / (sqrt(free * free + R::of(4.0) * w * psi * psi) - free), real(0.0)),
             (false, false) => (real(0.0), real(0.0)),
         };
-        join(s, ActiveContact { clip: contact.clip, open: eta < 0.0, gamma, psi, z, ..link });
+        join(s, ActiveContact { clip: contact.clip, open: eta < R::ZERO, gamma, psi, z, ..link });
     }
 }
 
 /// Link `i` of `op`, of which `u` is the gradient of the elongation, as one that may act: what all other forces would
 /// do to it, and its mobility \[m/N\] on the diagonal.
-pub(super) fn reach<G: Measure>(
-    op: &Op,
-    layout: &Layout,
-    s: &State,
+pub(super) fn reach<R: Real, G: Measure>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
     i: usize,
-    side: Real,
-    u: Vector3<Real>,
-) -> ActiveContact {
-    let g: [Real; 3] = (u * -side).into();
+    side: R,
+    u: Vector3<R>,
+) -> ActiveContact<R> {
+    let g: [R; 3] = (u * -side).into();
     let (ends, axes) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
     let (mut free, mut w) = (real(0.0), real(0.0));
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
-        free += g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
-        w += g * g * (mobility(layout, s, a) + mobility(layout, s, b));
+        free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
+        w += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
     ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..ActiveContact::default() }
 }
 
 /// Adds a link to those of this tick, if it does anything.
-pub(super) fn join(s: &mut State, link: ActiveContact) {
-    let stiff = 0.25 * link.gamma * link.gamma + 0.5 * link.z;
+pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
+    let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
     let touches = &mut s.touches;
-    let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > 0.0) else { return };
-    *t = ActiveContact { stiff, diag: link.diag + 1.0 / stiff, ..link };
+    let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
+    *t = ActiveContact { stiff, diag: link.diag + R::of(1.0) / stiff, ..link };
     touches.n += 1;
 }
 
 /// What a push does: the mobility of each place, and where masses go by their modes (`MODES`) how these couple them.
-struct Response<'a, const MODES: bool> {
-    layout: &'a Layout,
-    mobility: &'a [Real],
-    push: &'a mut [Real],
-    tap: &'a mut [Real],
+struct Response<'a, R: Real, const MODES: bool> {
+    layout: &'a Layout<R>,
+    mobility: &'a [R],
+    push: &'a mut [R],
+    tap: &'a mut [R],
 }
 
 /// Sets `q` of each contact to W p.
-fn respond<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODES>) {
+fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
     let Response { layout, mobility, push, tap } = to;
-    let places = |t: &ActiveContact| {
+    let places = |t: &ActiveContact<R>| {
         let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
         (0..n).map(move |k| (a + k, b + k, k))
     };
@@ -177,7 +185,7 @@ fn respond<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODE
 }
 
 /// Solves for `y` of all contacts listed.
-fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MODES>) {
+fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
     for t in &mut *list {
         t.p = t.gamma * t.psi;
     }
@@ -188,7 +196,7 @@ fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MO
         t.p = t.r / t.diag;
         rho += t.r * t.p;
     }
-    let goal = (EXACT * rho).max(NOTHING);
+    let goal = (exact::<R>() * rho).max(nothing());
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
         // what is not finite is not for here to find out
@@ -215,19 +223,19 @@ fn conjugate<const MODES: bool>(list: &mut [ActiveContact], to: &mut Response<MO
 }
 
 /// Computes the pushes of all contacts collected and applies them.
-pub(super) fn solve(op: &Op, layout: &Layout, s: &mut State) {
-    together::<false>(op, layout, s);
+pub fn solve<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    together::<R, false>(op, layout, s);
 }
 
 /// The same where several act at masses of one group that goes by its modes.
-pub fn solve_modes(op: &Op, layout: &Layout, s: &mut State) {
-    together::<true>(op, layout, s);
+pub fn solve_modes<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    together::<R, true>(op, layout, s);
 }
 
 #[inline(always)]
-fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
+fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let ActiveContacts { n, list, push } = &mut s.touches;
-    let mut to = Response::<MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap };
+    let mut to = Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap };
     let all = &mut list[..core::mem::take(n)];
     let mut acting = all.len();
     loop {
@@ -235,7 +243,7 @@ fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
         let before = acting;
         let mut i = 0;
         while i < acting {
-            if all[i].clip && all[i].gamma * all[i].psi + all[i].y < 0.0 {
+            if all[i].clip && all[i].gamma * all[i].psi + all[i].y < R::ZERO {
                 acting -= 1;
                 all.swap(i, acting);
             } else {
@@ -249,10 +257,10 @@ fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
     for t in &mut all[..acting] {
         let moved = t.y / t.stiff;
         t.p = t.gamma * t.psi + t.y;
-        let left = (t.psi + 0.5 * t.gamma * moved).abs();
+        let left = (t.psi + R::of(0.5) * t.gamma * moved).abs();
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
         s.mem[t.mem] = if nothing { real(0.0) } else { left };
-        s.mem[t.mem + 1] = 0.25 * t.z * moved * moved;
+        s.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
         for k in 0..t.axes {
             let [a, b] = t.ends.map(|m| m as usize + k);
             s.f[a] += t.g[k] * t.p;
@@ -266,12 +274,15 @@ fn together<const MODES: bool>(_op: &Op, layout: &Layout, s: &mut State) {
         for t in &mut all[acting..] {
             t.p = real(0.0);
         }
-        respond(all, &mut Response::<MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap });
+        respond(
+            all,
+            &mut Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap },
+        );
         for t in &all[acting..] {
-            let follows = t.psi + 0.5 * t.gamma * (t.free - t.q);
+            let follows = t.psi + R::of(0.5) * t.gamma * (t.free - t.q);
             let left = follows.abs().min(t.psi);
             s.mem[t.mem] = left;
-            s.mem[t.mem + 1] = 0.5 * (t.psi - left) * (t.psi + left);
+            s.mem[t.mem + 1] = R::of(0.5) * (t.psi - left) * (t.psi + left);
         }
     }
 }

@@ -6,75 +6,76 @@
 
 use super::newton::root;
 use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root, real, sqrt};
+use crate::op::account::numbers;
 use crate::state::State;
 
 /// The elastic part of a law and its losses.
-pub trait Spring: Copy {
+pub trait Spring<R: Real>: Copy {
     /// True where viscosity has no bound, so that rounding must not be multiplied by it.
     const HARDENS: bool;
 
     /// The contact with these coefficients, in the order of its law.
-    fn contact(c: &[Real; 5]) -> Contact<Self>;
+    fn contact(c: &[R; 5]) -> Contact<R, Self>;
 
     /// Viscosity \[N per m/tick\] at the penetration `eta` ≥ 0.
-    fn viscosity(self, k: Real, eta: Real) -> Real;
+    fn viscosity(self, k: R, eta: R) -> R;
 
     /// How much harder it is at a penetration than `k` says.
-    fn hard(self, eta: Real) -> Real;
+    fn hard(self, eta: R) -> R;
 
     /// 2(U(s) − U(a)) / (k (s − a)) for s and a > 0, without its cancellation.
-    fn mean(self, s: Real, a: Real) -> Real;
+    fn mean(self, s: R, a: R) -> R;
 
     /// The root s ≥ 0 of s + 2h (U(s) − U(a)) / (k (s − a)) = e, where there is one.
-    fn pressed(self, e: Real, a: Real, h: Real) -> Real;
+    fn pressed(self, e: R, a: R, h: R) -> R;
 
     /// The slope of √(2U) where it is pressed together \[√(N/m)\].
-    fn gamma(self, k: Real, eta: Real) -> Real;
+    fn gamma(self, k: R, eta: R) -> R;
 }
 
 /// A one-sided law: a spring, and where it acts.
 #[derive(Clone, Copy)]
-pub struct Contact<S> {
+pub struct Contact<R: Real, S> {
     /// stiffness \[N/m\], for the power law \[N/m^p\]
-    pub k: Real,
+    pub k: R,
     /// threshold of the elongation \[m\]
-    pub d: Real,
+    pub d: R,
     /// 1: acts below the threshold; −1: above
-    pub side: Real,
+    pub side: R,
     /// pushes only
     pub clip: bool,
     /// how force grows with penetration, and the losses
     pub spring: S,
 }
 
-impl<S: Spring> Contact<S> {
+impl<R: Real, S: Spring<R>> Contact<R, S> {
     /// From coefficients in a slice.
-    pub fn of(c: &[Real]) -> Contact<S> {
-        S::contact(&c.first_chunk().copied().unwrap_or_default())
+    pub fn of(c: &[R]) -> Contact<R, S> {
+        S::contact(&numbers(c))
     }
 
     /// Link `i` of `n`, from the columns that begin at `coef`.
-    pub fn read(s: &State, coef: usize, n: usize, i: usize) -> Contact<S> {
+    pub fn read(s: &State<R>, coef: usize, n: usize, i: usize) -> Contact<R, S> {
         S::contact(&core::array::from_fn(|k| s.coef[coef + k * n + i]))
     }
 
     /// How far it is pressed together \[m\]; negative while apart.
-    pub fn penetration(&self, e: Real) -> Real {
+    pub fn penetration(&self, e: R) -> R {
         self.side * (self.d - e)
     }
 
     /// Potential energy \[J\] at a penetration.
-    pub fn potential(&self, eta: Real) -> Real {
-        if eta > 0.0 { 0.5 * self.k * self.spring.hard(eta) * eta * eta } else { real(0.0) }
+    pub fn potential(&self, eta: R) -> R {
+        if eta > R::ZERO { R::of(0.5) * self.k * self.spring.hard(eta) * eta * eta } else { real(0.0) }
     }
 
     /// (U(s) − U(a)) / (s − a) \[N\].
-    pub fn slope(&self, s: Real, a: Real) -> Real {
+    pub fn slope(&self, s: R, a: R) -> R {
         let Contact { k, spring, .. } = *self;
-        match (s > 0.0, a > 0.0) {
-            (true, true) => 0.5 * k * spring.mean(s, a),
-            (true, false) => 0.5 * k * spring.hard(s) * s * (s / (s - a)),
-            (false, true) => 0.5 * k * spring.hard(a) * a * (a / (a - s)),
+        match (s > R::ZERO, a > R::ZERO) {
+            (true, true) => R::of(0.5) * k * spring.mean(s, a),
+            (true, false) => R::of(0.5) * k * spring.hard(s) * s * (s / (s - a)),
+            (false, true) => R::of(0.5) * k * spring.hard(a) * a * (a / (a - s)),
             (false, false) => real(0.0),
         }
     }
@@ -82,87 +83,88 @@ impl<S: Spring> Contact<S> {
 
 /// U = k η²/2, with a viscosity.
 #[derive(Clone, Copy)]
-pub struct Linear {
+pub struct Linear<R: Real> {
     /// \[N per m/tick\]
-    z: Real,
+    z: R,
 }
 
-impl Spring for Linear {
+impl<R: Real> Spring<R> for Linear<R> {
     const HARDENS: bool = false;
-    fn contact(&[k, z, d, side, clip]: &[Real; 5]) -> Contact<Linear> {
-        Contact { k, d, side, clip: clip != 0.0, spring: Linear { z } }
+    fn contact(&[k, z, d, side, clip]: &[R; 5]) -> Contact<R, Linear<R>> {
+        Contact { k, d, side, clip: clip != R::ZERO, spring: Linear { z } }
     }
-    fn viscosity(self, _k: Real, _eta: Real) -> Real {
+    fn viscosity(self, _k: R, _eta: R) -> R {
         self.z
     }
-    fn hard(self, _eta: Real) -> Real {
+    fn hard(self, _eta: R) -> R {
         real(1.0)
     }
-    fn mean(self, s: Real, a: Real) -> Real {
+    fn mean(self, s: R, a: R) -> R {
         s + a
     }
-    fn pressed(self, e: Real, a: Real, h: Real) -> Real {
-        if a >= 0.0 {
-            return (e - h * a) / (1.0 + h);
+    fn pressed(self, e: R, a: R, h: R) -> R {
+        if a >= R::ZERO {
+            return (e - h * a) / (R::of(1.0) + h);
         }
         let p = a + e;
-        let q = sqrt(p * p - 4.0 * (1.0 + h) * e * a);
-        if p >= 0.0 { (p + q) / (2.0 * (1.0 + h)) } else { -2.0 * e * a / (q - p) }
+        let q = sqrt(p * p - R::of(4.0) * (R::of(1.0) + h) * e * a);
+        if p >= R::ZERO { (p + q) / (R::of(2.0) * (R::of(1.0) + h)) } else { -R::of(2.0) * e * a / (q - p) }
     }
-    fn gamma(self, k: Real, _eta: Real) -> Real {
+    fn gamma(self, k: R, _eta: R) -> R {
         sqrt(k)
     }
 }
 
 /// U = k η^(p+1)/2 with the losses of Hunt and Crossley, F h dη/dt; only pushes.
 #[derive(Clone, Copy)]
-pub struct Power {
+pub struct Power<R: Real> {
     /// 4p, a whole number from 4 on
-    n: Real,
+    n: R,
     /// h, relative to the force per unit of change in a tick \[ticks/m\]
-    loss: Real,
+    loss: R,
 }
 
-impl Power {
+impl<R: Real> Power<R> {
     /// (p + 1)/2: the force is k η^p times this.
-    fn rise(self) -> Real {
-        0.125 * self.n + 0.5
+    fn rise(self) -> R {
+        R::of(0.125) * self.n + R::of(0.5)
     }
 }
 
-impl Spring for Power {
+impl<R: Real> Spring<R> for Power<R> {
     const HARDENS: bool = true;
-    fn contact(&[q, n, loss, d, side]: &[Real; 5]) -> Contact<Power> {
+    fn contact(&[q, n, loss, d, side]: &[R; 5]) -> Contact<R, Power<R>> {
         let spring = Power { n, loss };
         Contact { k: q / spring.rise(), d, side, clip: true, spring }
     }
-    fn viscosity(self, k: Real, eta: Real) -> Real {
+    fn viscosity(self, k: R, eta: R) -> R {
         self.loss * k * self.rise() * quarter_power(eta, self.n)
     }
-    fn hard(self, eta: Real) -> Real {
-        quarter_power(eta, self.n - 4.0)
+    fn hard(self, eta: R) -> R {
+        quarter_power(eta, self.n - R::of(4.0))
     }
-    fn mean(self, s: Real, a: Real) -> Real {
-        quarter_mean(s, a, self.n + 4.0)
+    fn mean(self, s: R, a: R) -> R {
+        quarter_mean(s, a, self.n + R::of(4.0))
     }
     /// The left side is convex in s. The start is where the larger of its two parts alone would reach e, so that the
     /// root is near whatever the stiffness.
-    fn pressed(self, e: Real, a: Real, h: Real) -> Real {
-        if e <= 0.0 {
+    fn pressed(self, e: R, a: R, h: R) -> R {
+        if e <= R::ZERO {
             return real(0.0);
         }
         let (n, most) = (self.n, e / h);
         let far = quarter_root(most, n);
-        let guess = if far < -a { quarter_root(most * -a, n + 4.0) } else { far };
-        root(e.min(guess), [real(0.0), e], a.max(0.0), |s| {
+        let guess = if far < -a { quarter_root(most * -a, n + R::of(4.0)) } else { far };
+        root(e.min(guess), [real(0.0), e], a.max(R::ZERO), |s| {
             let p = quarter_power(s, n);
-            let (mean, d) = (if a > 0.0 { self.mean(s, a) } else { p * (s / (s - a)) }, s - a);
-            let even = d.abs() <= 1e-6 * s;
-            let rise = if even { self.rise() * 0.25 * n * p / s } else { (2.0 * self.rise() * p - mean) / d };
-            (s - e + h * mean, 1.0 + h * rise)
+            let (mean, d) = (if a > R::ZERO { self.mean(s, a) } else { p * (s / (s - a)) }, s - a);
+            let even = d.abs() <= R::of(1e-6) * s;
+            let rise =
+                if even { self.rise() * R::of(0.25) * n * p / s } else { (R::of(2.0) * self.rise() * p - mean) / d };
+            (s - e + h * mean, R::of(1.0) + h * rise)
         })
     }
-    fn gamma(self, k: Real, eta: Real) -> Real {
+    fn gamma(self, k: R, eta: R) -> R {
         self.rise() * sqrt(k * self.hard(eta))
     }
 }

@@ -5,72 +5,72 @@
 //! could not be seen as plain numbers without unsafe code, and a crate that does so brings more than this file. What a tick
 //! computes does not depend on where an array begins.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::{Deref, DerefMut};
 
 /// Bytes of a cache line, and of the widest vector.
 const LINE: usize = 64;
-/// The same in numbers.
-const NUMBERS: usize = LINE / size_of::<Real>();
-
 /// Numbers that begin at a cache line; a slice in all else. Its length is that it was made with.
 #[derive(Default)]
-pub struct Aligned {
+pub struct Aligned<R: Real = f64> {
     /// nothing stands behind the last, so that one compare finds them
-    all: Vec<Real>,
+    all: Vec<R>,
     /// where the first number stands in `all`
     first: usize,
 }
 
-impl Aligned {
+impl<R: Real> Aligned<R> {
+    /// Numbers of a cache line.
+    const NUMBERS: usize = LINE / size_of::<R>();
+
     /// `len` times 0.
-    pub fn zeros(len: usize) -> Aligned {
-        let mut all = alloc::vec![real(0.0); len + NUMBERS - 1];
+    pub fn zeros(len: usize) -> Aligned<R> {
+        let mut all = alloc::vec![R::ZERO; len + Self::NUMBERS - 1];
         // where the address cannot be asked for, any is as good
-        let first = all.as_ptr().align_offset(LINE).min(NUMBERS - 1);
+        let first = all.as_ptr().align_offset(LINE).min(Self::NUMBERS - 1);
         all.truncate(first + len);
         Aligned { all, first }
     }
 }
 
-impl Deref for Aligned {
-    type Target = [Real];
+impl<R: Real> Deref for Aligned<R> {
+    type Target = [R];
     #[inline(always)]
-    fn deref(&self) -> &[Real] {
+    fn deref(&self) -> &[R] {
         &self.all[self.first..]
     }
 }
 
-impl DerefMut for Aligned {
+impl<R: Real> DerefMut for Aligned<R> {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [Real] {
+    fn deref_mut(&mut self) -> &mut [R] {
         &mut self.all[self.first..]
     }
 }
 
-impl From<&[Real]> for Aligned {
-    fn from(from: &[Real]) -> Aligned {
+impl<R: Real> From<&[R]> for Aligned<R> {
+    fn from(from: &[R]) -> Aligned<R> {
         let mut to = Aligned::zeros(from.len());
         to.copy_from_slice(from);
         to
     }
 }
 
-impl FromIterator<Real> for Aligned {
-    fn from_iter<I: IntoIterator<Item = Real>>(all: I) -> Aligned {
-        Aligned::from(&all.into_iter().collect::<Vec<Real>>()[..])
+impl<R: Real> FromIterator<R> for Aligned<R> {
+    fn from_iter<I: IntoIterator<Item = R>>(all: I) -> Aligned<R> {
+        Aligned::from(&all.into_iter().collect::<Vec<R>>()[..])
     }
 }
 
-impl Clone for Aligned {
-    fn clone(&self) -> Aligned {
+impl<R: Real> Clone for Aligned<R> {
+    fn clone(&self) -> Aligned<R> {
         Aligned::from(&self[..])
     }
 
     /// Allocates nothing where the lengths agree.
-    fn clone_from(&mut self, from: &Aligned) {
+    fn clone_from(&mut self, from: &Aligned<R>) {
         if self.len() == from.len() {
             self.copy_from_slice(from);
         } else {
@@ -79,29 +79,29 @@ impl Clone for Aligned {
     }
 }
 
-impl PartialEq for Aligned {
-    fn eq(&self, other: &Aligned) -> bool {
+impl<R: Real> PartialEq for Aligned<R> {
+    fn eq(&self, other: &Aligned<R>) -> bool {
         self[..] == other[..]
     }
 }
 
-impl fmt::Debug for Aligned {
+impl<R: Real> fmt::Debug for Aligned<R> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self[..].fmt(f)
     }
 }
 
-impl<'a> IntoIterator for &'a Aligned {
-    type Item = &'a Real;
-    type IntoIter = core::slice::Iter<'a, Real>;
+impl<'a, R: Real> IntoIterator for &'a Aligned<R> {
+    type Item = &'a R;
+    type IntoIter = core::slice::Iter<'a, R>;
     fn into_iter(self) -> Self::IntoIter {
         self.iter()
     }
 }
 
-impl<'a> IntoIterator for &'a mut Aligned {
-    type Item = &'a mut Real;
-    type IntoIter = core::slice::IterMut<'a, Real>;
+impl<'a, R: Real> IntoIterator for &'a mut Aligned<R> {
+    type Item = &'a mut R;
+    type IntoIter = core::slice::IterMut<'a, R>;
     fn into_iter(self) -> Self::IntoIter {
         self.iter_mut()
     }
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn every_array_begins_at_a_line_and_keeps_its_numbers() {
         for n in [0, 1, 7, 8, 9, 1000] {
-            let numbers: Vec<Real> = (0..n).map(|i| real(f64::from(i))).collect();
+            let numbers: Vec<f64> = (0..n).map(f64::from).collect();
             let mut a: Aligned = numbers.iter().copied().collect();
             assert_eq!(a[..], numbers[..]);
             assert_eq!(a.as_ptr() as usize % LINE, 0, "{n} numbers");
@@ -125,7 +125,7 @@ mod tests {
             a.clone_from(&moved);
             assert_eq!(a, *moved);
             a.clone_from(&Aligned::zeros(3));
-            assert_eq!(a[..], [real(0.0); 3]);
+            assert_eq!(a[..], [0.0; 3]);
         }
     }
 }

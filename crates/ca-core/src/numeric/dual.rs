@@ -10,6 +10,7 @@
 //! the sign says, of -0 too; of `max` and `min` that of the number taken, the first where both are equal. Comparisons look
 //! at the number alone, so that the derivative is that of the branch that was taken.
 
+use super::{Precision, Real};
 use core::cmp::Ordering;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -39,15 +40,6 @@ pub struct Dual {
 }
 
 impl Dual {
-    /// The largest number.
-    pub const MAX: Dual = Dual::constant(f64::MAX);
-    /// The least number above 0 with all its digits.
-    pub const MIN_POSITIVE: Dual = Dual::constant(f64::MIN_POSITIVE);
-    /// Positive infinity.
-    pub const INFINITY: Dual = Dual::constant(f64::INFINITY);
-    /// Negative infinity.
-    pub const NEG_INFINITY: Dual = Dual::constant(f64::NEG_INFINITY);
-
     /// A number that depends on no parameter.
     #[inline(always)]
     pub const fn constant(v: f64) -> Dual {
@@ -89,61 +81,54 @@ impl Dual {
         all[0] = value;
         Dual { all }
     }
+}
 
-    /// The square root; of 0 with tangents 0.
+impl Real for Dual {
+    type Outer = Dual;
+    const PRECISION: Precision = Precision::Dual;
+    const ZERO: Dual = Dual::constant(0.0);
+    const MIN_POSITIVE: Dual = Dual::constant(f64::MIN_POSITIVE);
+    const INFINITY: Dual = Dual::constant(f64::INFINITY);
+    const NEG_INFINITY: Dual = Dual::constant(f64::NEG_INFINITY);
+    const TINY: Dual = Dual::constant(f64::TINY);
+
     #[inline(always)]
-    #[must_use]
-    pub fn sqrt(self) -> Dual {
-        let root = super::real::value_sqrt(self.all[0]);
+    fn of(v: f64) -> Dual {
+        Dual::constant(v)
+    }
+    #[inline(always)]
+    fn wide(self) -> f64 {
+        self.all[0]
+    }
+    #[inline(always)]
+    fn outer(self) -> Dual {
+        self
+    }
+    #[inline(always)]
+    fn inner(v: Dual) -> Dual {
+        v
+    }
+    /// Of 0 with tangents 0.
+    #[inline(always)]
+    fn sqrt(self) -> Dual {
+        let root = super::sqrt(self.all[0]);
         self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
-
-    /// Without its sign.
     #[inline(always)]
-    #[must_use]
-    pub fn abs(self) -> Dual {
+    fn abs(self) -> Dual {
         if self.all[0].is_sign_negative() { -self } else { self }
     }
-
-    /// With the sign of another.
     #[inline(always)]
-    #[must_use]
-    pub fn copysign(self, sign: impl Into<Dual>) -> Dual {
-        if self.all[0].is_sign_negative() == sign.into().all[0].is_sign_negative() { self } else { -self }
+    fn copysign(self, sign: Dual) -> Dual {
+        if self.all[0].is_sign_negative() == sign.all[0].is_sign_negative() { self } else { -self }
     }
-
-    /// The larger.
     #[inline(always)]
-    #[must_use]
-    pub fn max(self, other: impl Into<Dual>) -> Dual {
-        let other = other.into();
+    fn max(self, other: Dual) -> Dual {
         if other.all[0] > self.all[0] || self.all[0].is_nan() { other } else { self }
     }
-
-    /// The smaller.
     #[inline(always)]
-    #[must_use]
-    pub fn min(self, other: impl Into<Dual>) -> Dual {
-        let other = other.into();
+    fn min(self, other: Dual) -> Dual {
         if other.all[0] < self.all[0] || self.all[0].is_nan() { other } else { self }
-    }
-
-    /// True where the value is finite; its tangents are not asked.
-    #[inline(always)]
-    pub fn is_finite(self) -> bool {
-        self.all[0].is_finite()
-    }
-
-    /// True where the value is NaN.
-    #[inline(always)]
-    pub fn is_nan(self) -> bool {
-        self.all[0].is_nan()
-    }
-
-    /// In the order of all numbers.
-    #[inline(always)]
-    pub fn total_cmp(&self, other: &Dual) -> Ordering {
-        self.all[0].total_cmp(&other.all[0])
     }
 }
 
@@ -155,20 +140,6 @@ impl core::fmt::Debug for Dual {
     }
 }
 
-impl From<f64> for Dual {
-    #[inline(always)]
-    fn from(v: f64) -> Dual {
-        Dual::constant(v)
-    }
-}
-
-impl From<Dual> for f64 {
-    #[inline(always)]
-    fn from(v: Dual) -> f64 {
-        v.all[0]
-    }
-}
-
 impl PartialEq for Dual {
     #[inline(always)]
     fn eq(&self, other: &Dual) -> bool {
@@ -176,24 +147,10 @@ impl PartialEq for Dual {
     }
 }
 
-impl PartialEq<f64> for Dual {
-    #[inline(always)]
-    fn eq(&self, other: &f64) -> bool {
-        self.all[0] == *other
-    }
-}
-
 impl PartialOrd for Dual {
     #[inline(always)]
     fn partial_cmp(&self, other: &Dual) -> Option<Ordering> {
         self.all[0].partial_cmp(&other.all[0])
-    }
-}
-
-impl PartialOrd<f64> for Dual {
-    #[inline(always)]
-    fn partial_cmp(&self, other: &f64) -> Option<Ordering> {
-        self.all[0].partial_cmp(other)
     }
 }
 
@@ -246,115 +203,13 @@ impl Div for Dual {
     }
 }
 
-impl Add<f64> for Dual {
-    type Output = Dual;
-    #[inline(always)]
-    fn add(mut self, other: f64) -> Dual {
-        self.all[0] += other;
-        self
-    }
-}
-
-impl Sub<f64> for Dual {
-    type Output = Dual;
-    #[inline(always)]
-    fn sub(mut self, other: f64) -> Dual {
-        self.all[0] -= other;
-        self
-    }
-}
-
-impl Mul<f64> for Dual {
-    type Output = Dual;
-    #[inline(always)]
-    fn mul(self, other: f64) -> Dual {
-        Dual { all: each(|k| self.all[k] * other) }
-    }
-}
-
-impl Div<f64> for Dual {
-    type Output = Dual;
-    #[inline(always)]
-    fn div(self, other: f64) -> Dual {
-        Dual { all: each(|k| self.all[k] / other) }
-    }
-}
-
-impl Add<Dual> for f64 {
-    type Output = Dual;
-    #[inline(always)]
-    fn add(self, mut other: Dual) -> Dual {
-        other.all[0] += self;
-        other
-    }
-}
-
-impl Sub<Dual> for f64 {
-    type Output = Dual;
-    #[inline(always)]
-    fn sub(self, other: Dual) -> Dual {
-        let mut all = each(|k| -other.all[k]);
-        all[0] = self - other.all[0];
-        Dual { all }
-    }
-}
-
-impl Mul<Dual> for f64 {
-    type Output = Dual;
-    #[inline(always)]
-    fn mul(self, other: Dual) -> Dual {
-        Dual { all: each(|k| self * other.all[k]) }
-    }
-}
-
-impl Div<Dual> for f64 {
-    type Output = Dual;
-    #[inline(always)]
-    fn div(self, other: Dual) -> Dual {
-        Dual::constant(self) / other
-    }
-}
-
-/// The forms that plain numbers have too: by reference, and in place.
-macro_rules! forms {
+/// In place.
+macro_rules! assign {
     ($($op:ident $f:ident $assign:ident $g:ident;)*) => {
         $(
-            impl $op<&Dual> for Dual {
-                type Output = Dual;
-                #[inline(always)]
-                fn $f(self, other: &Dual) -> Dual {
-                    $op::$f(self, *other)
-                }
-            }
-            impl $op<Dual> for &Dual {
-                type Output = Dual;
-                #[inline(always)]
-                fn $f(self, other: Dual) -> Dual {
-                    $op::$f(*self, other)
-                }
-            }
-            impl $op<&Dual> for &Dual {
-                type Output = Dual;
-                #[inline(always)]
-                fn $f(self, other: &Dual) -> Dual {
-                    $op::$f(*self, *other)
-                }
-            }
             impl $assign for Dual {
                 #[inline(always)]
                 fn $g(&mut self, other: Dual) {
-                    *self = $op::$f(*self, other);
-                }
-            }
-            impl $assign<&Dual> for Dual {
-                #[inline(always)]
-                fn $g(&mut self, other: &Dual) {
-                    *self = $op::$f(*self, *other);
-                }
-            }
-            impl $assign<f64> for Dual {
-                #[inline(always)]
-                fn $g(&mut self, other: f64) {
                     *self = $op::$f(*self, other);
                 }
             }
@@ -362,7 +217,7 @@ macro_rules! forms {
     };
 }
 
-forms! {
+assign! {
     Add add AddAssign add_assign;
     Sub sub SubAssign sub_assign;
     Mul mul MulAssign mul_assign;

@@ -158,7 +158,7 @@ impl Pattern {
 
     /// Solves in place, with the numbers of [`Pattern::factor`]; rows in the order of elimination. Does not allocate.
     #[inline]
-    pub fn solve(&self, numbers: &[Real], y: &mut [Real]) {
+    pub fn solve<R: Real>(&self, numbers: &[R], y: &mut [R]) {
         let n = self.size();
         let (d, l) = numbers.split_at(n);
         for j in 0..n {

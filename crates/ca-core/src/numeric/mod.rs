@@ -3,7 +3,6 @@
 //! Decides that what stands here knows nothing of scenes, kinds or laws, so that all the rest can stand on it.
 
 mod aligned;
-#[cfg(dual)]
 mod dual;
 pub mod ldl;
 mod plain;
@@ -14,12 +13,9 @@ mod verlet;
 pub(crate) mod words;
 
 pub use aligned::Aligned;
-#[cfg(dual)]
 pub use dual::{Dual, TANGENTS};
 pub use plain::Plain;
 pub use quarter::{quarter_mean, quarter_power, quarter_root};
-pub use real::{
-    DUAL, NONE, Outer, Real, SINGLE, TINY, Value, bare, inner, lift, outer, real, sqrt, value, value_sqrt, wide,
-};
+pub use real::{NONE, Precision, Real, inner, outer, real, sqrt, wide};
 pub use table::Table;
 pub use verlet::VerletList;

@@ -7,7 +7,7 @@ use super::{Real, real, sqrt, wide};
 
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
 #[inline(always)]
-pub fn quarter_power(x: Real, n: Real) -> Real {
+pub fn quarter_power<R: Real>(x: R, n: R) -> R {
     let n = wide(n) as u32;
     let mut y = real(1.0);
     for _ in 0..n / 4 {
@@ -27,20 +27,20 @@ pub fn quarter_power(x: Real, n: Real) -> Real {
 
 /// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
 /// as n allows) it is the quotient of two sums without a difference.
-pub fn quarter_mean(s: Real, a: Real, n: Real) -> Real {
+pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
     let (mut n, mut parts, mut u, mut v) = (wide(n) as u32, 1, s, a);
     while n % (4 / parts) != 0 {
         (parts, u, v) = (2 * parts, sqrt(u), sqrt(v));
     }
     n /= 4 / parts;
     // Σ uⁱ vʲ with i + j = n − 1
-    let sum = |n: u32| (0..n).fold((real(0.0), real(1.0)), |(sum, w), _| (sum * u + w, w * v)).0;
+    let sum = |n: u32| (0..n).fold((R::ZERO, R::of(1.0)), |(sum, w), _| (sum * u + w, w * v)).0;
     sum(n) / sum(parts)
 }
 
 /// x^(4/n) for x ≥ 0 to within an eighth, where an iteration is to begin: the bits of a number are nearly its
 /// logarithm, so this is the same on every IEEE machine.
-pub fn quarter_root(x: Real, n: Real) -> Real {
+pub fn quarter_root<R: Real>(x: R, n: R) -> R {
     let one = 1f64.to_bits() as i64;
     real(f64::from_bits((one + (wide(x).to_bits() as i64 - one) / wide(n) as i64 * 4) as u64))
 }

@@ -1,136 +1,202 @@
-//! Real: the number a tick computes with, `f64`; `f32` where the crate is built with `cfg(single)`, and a number with its
-//! derivatives, `Dual`, with `cfg(dual)`.
+//! Real: the number that a tick computes with: `f64`, `f32`, or a number with its derivatives, [`Dual`](super::Dual).
 //!
-//! Decides that the number belongs to the build and not to the types: laws, passes and methods are written once, in
-//! plain numbers, and `ca-core-single` and `ca-core-dual` are these very files with another alias. A type parameter through all of
-//! them would say the same in every signature. Only what a tick reads and writes is `Real`; all that is computed at load,
-//! and by changes while playing, is `f64` and rounded once, where it becomes a coefficient. What a caller gives and
-//! takes (inputs, outputs, device ports), time, and the accounts of energy stay `f64`; but outputs, and what else must not
-//! lose its derivatives there, is `Outer`, which is `f64` in both precisions and `Dual` in the build of that.
+//! Only what a tick reads and writes is generic over it. The compiler and changes while playing compute in `f64`, and each number
+//! is rounded once, where it becomes a coefficient. Inputs, device ports, time and the sizes of energy accounts stay `f64`.
+//! Outputs and energy accounts are [`Real::Outer`], which is `f64` in both precisions and keeps the derivatives of `Dual`.
+//!
+//! `ca-core` makes the passes over `f64`; the crates that bind a scene to another number make those
+//! ([`Scene::bind`](crate::Scene::bind)).
 //!
 //! In single precision a second of sound is known to 1e-4 or so, the energy ledger balances to 1e-7 in a tick, and a scene
 //! is refused that has a distance in space, an implicit link with more than 100 times the inertia of its ends,
 //! or a number that becomes nothing or infinite.
 
-// one of the builds casts a number to what it is
-#![allow(clippy::unnecessary_cast)]
+use core::fmt::Debug;
+use core::iter::Sum;
+use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+use num_traits::{One, Zero};
 
-#[cfg(dual)]
-use super::Dual;
+/// Which number a tick computes with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// `f64`
+    #[default]
+    Double,
+    /// `f32`
+    Single,
+    /// [`Dual`](super::Dual)
+    Dual,
+}
 
-/// The number of the tick.
-#[cfg(not(any(single, dual)))]
-pub type Real = f64;
-/// The number of the tick.
-#[cfg(single)]
-pub type Real = f32;
-/// The number of the tick.
-#[cfg(dual)]
-pub type Real = Dual;
+/// The number of the tick. Comparisons look at the value alone, without derivatives.
+pub trait Real:
+    Copy
+    + Default
+    + Debug
+    + PartialEq
+    + PartialOrd
+    + Send
+    + Sync
+    + Zero
+    + One
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + MulAssign
+    + DivAssign
+    + Sum
+    + for<'a> Sum<&'a Self>
+    + 'static
+{
+    /// An output, or an account of energy.
+    type Outer: Real<Outer = Self::Outer>;
+    /// Which number it is.
+    const PRECISION: Precision;
+    /// 0.
+    const ZERO: Self;
+    /// The least number above 0 with all its digits.
+    const MIN_POSITIVE: Self;
+    /// Positive infinity.
+    const INFINITY: Self;
+    /// Negative infinity.
+    const NEG_INFINITY: Self;
+    /// Far above what is denormal and slow, far below what is heard.
+    const TINY: Self;
 
-/// A number of the tick without derivatives: what decides which numbers are computed, and is none of them.
-#[cfg(not(single))]
-pub type Value = f64;
-/// A number of the tick without derivatives: what decides which numbers are computed, and is none of them.
-#[cfg(single)]
-pub type Value = f32;
+    /// A number computed at load, rounded to that of the tick.
+    fn of(v: f64) -> Self;
+    /// The value as `f64`.
+    fn wide(self) -> f64;
+    /// As an output, with its derivatives.
+    fn outer(self) -> Self::Outer;
+    /// From an output, with its derivatives.
+    fn inner(v: Self::Outer) -> Self;
+    /// The square root.
+    #[must_use]
+    fn sqrt(self) -> Self;
+    /// Without its sign.
+    #[must_use]
+    fn abs(self) -> Self;
+    /// With the sign of another.
+    #[must_use]
+    fn copysign(self, sign: Self) -> Self;
+    /// The larger.
+    #[must_use]
+    fn max(self, other: Self) -> Self;
+    /// The smaller.
+    #[must_use]
+    fn min(self, other: Self) -> Self;
 
-/// A number beside the tick that has its derivatives: an output, or what is computed at load and is not rounded.
-#[cfg(not(dual))]
-pub type Outer = f64;
-/// A number beside the tick that has its derivatives: an output, or what is computed at load and is not rounded.
-#[cfg(dual)]
-pub type Outer = Dual;
+    /// True where the value is finite.
+    #[inline(always)]
+    fn is_finite(self) -> bool {
+        self.wide().is_finite()
+    }
+    /// True where the value is NaN.
+    #[inline(always)]
+    fn is_nan(self) -> bool {
+        self.wide().is_nan()
+    }
+}
 
-/// True in the build of single precision.
-pub const SINGLE: bool = cfg!(single);
-/// True in the build of dual numbers.
-pub const DUAL: bool = cfg!(dual);
-/// Far above what is denormal and slow, far below what is heard.
-pub const TINY: Real = real(if SINGLE { 1e-30 } else { 1e-270 });
+/// Both precisions; roots of `std` are an instruction among its neighbours, in as many lanes as these have. That of `libm` is one
+/// of SSE by itself, in no lanes, and stalls between those of AVX. Both are correctly rounded.
+macro_rules! plain {
+    ($($number:ident $precision:ident $tiny:literal $sqrt:ident;)*) => {
+        $(
+            impl Real for $number {
+                type Outer = f64;
+                const PRECISION: Precision = Precision::$precision;
+                const ZERO: $number = 0.0;
+                const MIN_POSITIVE: $number = $number::MIN_POSITIVE;
+                const INFINITY: $number = $number::INFINITY;
+                const NEG_INFINITY: $number = $number::NEG_INFINITY;
+                const TINY: $number = $tiny;
+
+                #[inline(always)]
+                #[allow(clippy::unnecessary_cast, reason = "one of both is f64")]
+                fn of(v: f64) -> $number {
+                    v as $number
+                }
+                #[inline(always)]
+                fn wide(self) -> f64 {
+                    f64::from(self)
+                }
+                #[inline(always)]
+                fn outer(self) -> f64 {
+                    f64::from(self)
+                }
+                #[inline(always)]
+                #[allow(clippy::unnecessary_cast, reason = "one of both is f64")]
+                fn inner(v: f64) -> $number {
+                    v as $number
+                }
+                #[inline(always)]
+                fn sqrt(self) -> $number {
+                    #[cfg(feature = "std")]
+                    return $number::sqrt(self);
+                    #[cfg(not(feature = "std"))]
+                    return libm::$sqrt(self);
+                }
+                #[inline(always)]
+                fn abs(self) -> $number {
+                    $number::abs(self)
+                }
+                #[inline(always)]
+                fn copysign(self, sign: $number) -> $number {
+                    $number::copysign(self, sign)
+                }
+                #[inline(always)]
+                fn max(self, other: $number) -> $number {
+                    $number::max(self, other)
+                }
+                #[inline(always)]
+                fn min(self, other: $number) -> $number {
+                    $number::min(self, other)
+                }
+            }
+        )*
+    };
+}
+
+plain! {
+    f64 Double 1e-270 sqrt;
+    f32 Single 1e-30 sqrtf;
+}
+
 /// The largest number, which stands for none where a place is meant.
-pub const NONE: f64 = wide(Real::MAX);
+pub const NONE: f64 = f64::MAX;
 
 /// A number computed at load, rounded to that of the tick.
 #[inline(always)]
-pub const fn real(v: f64) -> Real {
-    #[cfg(not(dual))]
-    return v as Real;
-    #[cfg(dual)]
-    return Dual::constant(v);
+pub fn real<R: Real>(v: f64) -> R {
+    R::of(v)
 }
 
-/// A number of the tick as one of the outside.
+/// The value as `f64`.
 #[inline(always)]
-pub const fn wide(v: Real) -> f64 {
-    #[cfg(not(dual))]
-    return v as f64;
-    #[cfg(dual)]
-    return v.value();
+pub fn wide<R: Real>(v: R) -> f64 {
+    v.wide()
 }
 
-/// A number of the tick without its derivatives.
+/// As an output, with its derivatives.
 #[inline(always)]
-pub const fn value(v: Real) -> Value {
-    #[cfg(not(dual))]
-    return v;
-    #[cfg(dual)]
-    return v.value();
+pub fn outer<R: Real>(v: R) -> R::Outer {
+    v.outer()
 }
 
-/// A number of the tick as one beside it, with its derivatives.
+/// From an output, with its derivatives.
 #[inline(always)]
-pub const fn outer(v: Real) -> Outer {
-    #[cfg(not(dual))]
-    return v as Outer;
-    #[cfg(dual)]
-    return v;
-}
-
-/// A number beside the tick as one of it, with its derivatives.
-#[inline(always)]
-pub const fn inner(v: Outer) -> Real {
-    #[cfg(not(dual))]
-    return v as Real;
-    #[cfg(dual)]
-    return v;
-}
-
-/// What is computed at load, as a number beside the tick.
-#[inline(always)]
-pub const fn lift(v: f64) -> Outer {
-    #[cfg(not(dual))]
-    return v;
-    #[cfg(dual)]
-    return Dual::constant(v);
-}
-
-/// A number beside the tick without its derivatives.
-#[inline(always)]
-pub const fn bare(v: Outer) -> f64 {
-    #[cfg(not(dual))]
-    return v;
-    #[cfg(dual)]
-    return v.value();
+pub fn inner<R: Real>(v: R::Outer) -> R {
+    R::inner(v)
 }
 
 /// The square root.
 #[inline(always)]
-pub fn sqrt(v: Real) -> Real {
-    #[cfg(not(dual))]
-    return value_sqrt(v);
-    #[cfg(dual)]
-    return v.sqrt();
-}
-
-/// The square root of what decides. That of `std` is an instruction among its neighbours, in as many lanes as these have; that of
-/// `libm` is one of SSE by itself, in no lanes, which stalls between those of AVX. Both are correctly rounded.
-#[inline(always)]
-pub fn value_sqrt(v: Value) -> Value {
-    #[cfg(feature = "std")]
-    return v.sqrt();
-    #[cfg(all(not(feature = "std"), not(single)))]
-    return libm::sqrt(v);
-    #[cfg(all(not(feature = "std"), single))]
-    return libm::sqrtf(v);
+pub fn sqrt<R: Real>(v: R) -> R {
+    Real::sqrt(v)
 }

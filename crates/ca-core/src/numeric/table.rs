@@ -8,15 +8,15 @@ use alloc::vec::Vec;
 
 /// A piecewise-linear function y(x).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct Table<R: Real = f64> {
     /// abscissae, rising (n)
-    x: Vec<Real>,
+    x: Vec<R>,
     /// values (n)
-    y: Vec<Real>,
+    y: Vec<R>,
     /// integral of y from x = 0 (n)
-    area: Vec<Real>,
+    area: Vec<R>,
     /// 1/spacing where the abscissae are evenly spaced, else 0: even tables are addressed without a search
-    per: Real,
+    per: R,
     /// largest and smallest slope of any segment
     slopes: (f64, f64),
 }
@@ -25,8 +25,8 @@ impl Table {
     /// From points with rising x. `None` with fewer than two points, x that does not rise, or a number not finite.
     pub fn new(points: &[[f64; 2]]) -> Option<Table> {
         if points.len() < 2
-            || points.windows(2).any(|p| real(p[1][0]) <= real(p[0][0]))
-            || points.iter().flatten().any(|v| !real(*v).is_finite())
+            || points.windows(2).any(|p| p[1][0] <= p[0][0])
+            || points.iter().flatten().any(|v| !v.is_finite())
         {
             return None;
         }
@@ -34,30 +34,42 @@ impl Table {
         let step = (points[last][0] - points[0][0]) / last as f64;
         let even =
             points.iter().enumerate().all(|(i, p)| (p[0] - (points[0][0] + i as f64 * step)).abs() < 1e-9 * step);
-        let per = if even { real(1.0 / step) } else { real(0.0) };
-        let [x, y] = [0, 1].map(|k| points.iter().map(|p| real(p[k])).collect::<Vec<_>>());
+        let per = if even { 1.0 / step } else { 0.0 };
+        let [x, y] = [0, 1].map(|k| points.iter().map(|p| p[k]).collect::<Vec<_>>());
+        Some(Table::of(x, y, per))
+    }
+}
+
+impl<R: Real> Table<R> {
+    /// The same table over another number; `None` where its abscissae do not rise there.
+    pub fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
+        let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| real(wide(*v))).collect());
+        let rises = x.windows(2).all(|x| x[1] > x[0]) && x.iter().chain(&y).all(|v| v.is_finite());
+        rises.then(|| Table::of(x, y, real(wide(self.per))))
+    }
+
+    fn of(x: Vec<R>, y: Vec<R>, per: R) -> Table<R> {
         let mut t = Table { area: alloc::vec![real(0.0); x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
-            t.area[i] = t.area[i - 1] + 0.5 * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
+            t.area[i] = t.area[i - 1] + R::of(0.5) * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
         t.slopes = (0..t.x.len() - 1).map(|i| wide(t.rise(i))).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
         let zero = t.raw_integral(real(0.0));
         t.area.iter_mut().for_each(|a| *a -= zero);
-        Some(t)
+        t
     }
 
     /// Calls `visit` for each of its numbers.
-    #[cfg(not(single))]
-    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
+    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
         [&mut self.x, &mut self.y, &mut self.area].into_iter().flatten().for_each(&mut *visit);
         visit(&mut self.per);
     }
 
     /// The segment that holds `x`, which lies between the ends.
     #[inline]
-    fn segment(&self, x: Real) -> usize {
+    fn segment(&self, x: R) -> usize {
         let last = self.x.len() - 2;
-        let i = if self.per > 0.0 {
+        let i = if self.per > R::ZERO {
             wide((x - self.x[0]) * self.per) as usize
         } else {
             self.x.partition_point(|v| *v <= x).saturating_sub(1)
@@ -67,7 +79,7 @@ impl Table {
 
     /// The value at `x`; the end values hold outside.
     #[inline]
-    pub fn at(&self, x: Real) -> Real {
+    pub fn at(&self, x: R) -> R {
         let n = self.x.len();
         if x <= self.x[0] {
             return self.y[0];
@@ -80,7 +92,7 @@ impl Table {
         y0 + (y1 - y0) * ((x - x0) / (x1 - x0))
     }
 
-    fn raw_integral(&self, x: Real) -> Real {
+    fn raw_integral(&self, x: R) -> R {
         let n = self.x.len();
         if x <= self.x[0] {
             return self.area[0] + self.y[0] * (x - self.x[0]);
@@ -89,38 +101,38 @@ impl Table {
             return self.area[n - 1] + self.y[n - 1] * (x - self.x[n - 1]);
         }
         let i = self.segment(x);
-        self.area[i] + 0.5 * (self.y[i] + self.at(x)) * (x - self.x[i])
+        self.area[i] + R::of(0.5) * (self.y[i] + self.at(x)) * (x - self.x[i])
     }
 
     /// The integral from 0 to `x`.
-    pub fn integral(&self, x: Real) -> Real {
+    pub fn integral(&self, x: R) -> R {
         self.raw_integral(x)
     }
 
     /// The slope of a segment.
-    fn rise(&self, i: usize) -> Real {
+    fn rise(&self, i: usize) -> R {
         (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i])
     }
 
     /// True between the ends, where the value depends on the place.
-    fn spans(&self, x: Real) -> bool {
+    fn spans(&self, x: R) -> bool {
         self.x[0] <= x && x < self.x[self.x.len() - 1]
     }
 
     /// The slope at `x`; 0 outside.
-    pub fn slope(&self, x: Real) -> Real {
+    pub fn slope(&self, x: R) -> R {
         if self.spans(x) { self.rise(self.segment(x)) } else { real(0.0) }
     }
 
     /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
-    pub fn chord(&self, x: Real) -> Real {
+    pub fn chord(&self, x: R) -> R {
         if self.spans(x) {
             let i = self.segment(x);
-            if self.x[i] <= 0.0 && self.x[i + 1] >= 0.0 {
+            if self.x[i] <= R::ZERO && self.x[i + 1] >= R::ZERO {
                 return self.rise(i);
             }
         }
-        if x == 0.0 { real(0.0) } else { self.at(x) / x }
+        if x == R::ZERO { real(0.0) } else { self.at(x) / x }
     }
 
     /// Largest and smallest slope of any segment.
@@ -140,6 +152,6 @@ impl Table {
 
     /// True where y has the sign of x everywhere: as friction it only takes energy.
     pub fn resists(&self) -> bool {
-        self.x.iter().zip(&self.y).all(|(x, y)| x * y >= 0.0) && self.at(real(0.0)) == 0.0
+        self.x.iter().zip(&self.y).all(|(x, y)| *x * *y >= R::ZERO) && self.at(real(0.0)) == R::ZERO
     }
 }

@@ -27,23 +27,23 @@
 //! the future of a scene, so the hash of a state leaves it out; a restored state is right, because displacements are
 //! taken from where the points stood when the list was made.
 
-use crate::numeric::{Value, value_sqrt};
+use crate::numeric::sqrt;
 use alloc::vec::Vec;
 
 /// The skin at load, in parts of the distance asked for.
-const SKIN: Value = 0.5;
+const SKIN: f64 = 0.5;
 /// Listing by the grid costs as much, per point, as testing so many pairs.
-const GRID: Value = 400.0;
+const GRID: f64 = 400.0;
 /// A list must save so many times what it costs.
-const WORTH: Value = 2.0;
+const WORTH: f64 = 2.0;
 /// Room in the list, per point.
 const ROOM: usize = 16;
 /// Distances computed at a time, where all pairs are tested.
 const LANES: usize = 8;
 /// Edge of a cell of the grid, in parts of the reach: wider, so that rounding cannot put near points two cells apart.
-const WIDER: Value = 1.01;
+const WIDER: f64 = 1.01;
 /// Rounding of a place, relative to the numbers it is the sum of, with a generous margin.
-const ROUNDING: Value = 4096.0 * Value::EPSILON;
+const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
 /// Points, and the pairs of them that are near. Pairs are (row, column): each row joins all columns behind it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,15 +55,15 @@ pub struct VerletList {
     /// first column
     first: usize,
     /// where the points are \[m\] (3 x n and a rim that is never near)
-    at: [Vec<Value>; 3],
+    at: [Vec<f64>; 3],
     /// where they were when the list was made \[m\] (3 x n)
-    was: [Vec<Value>; 3],
+    was: [Vec<f64>; 3],
     /// the furthest any of them has moved since \[m\]; infinite where one is not finite
-    moved: Value,
+    moved: f64,
     /// how wrong a distance may be by rounding \[m\]
-    rounding: Value,
+    rounding: f64,
     /// the distance up to which pairs are listed \[m\]
-    reach: Value,
+    reach: f64,
     /// true where the list had no room for them
     full: bool,
     /// first entry of each row in `list` (rows + 1)
@@ -79,7 +79,7 @@ pub struct VerletList {
     /// columns by cell (columns)
     order: Vec<u32>,
     /// the skin, in parts of the distance asked for; without one, all pairs are tested
-    pub skin: Value,
+    pub skin: f64,
     /// lists made so far
     pub lists: u64,
 }
@@ -90,16 +90,16 @@ impl VerletList {
         let columns = n - first;
         // four at least, so that a cell and its neighbours on both sides are three
         let bits = (2..10).find(|b| 1usize << (3 * b) >= columns).unwrap_or(10);
-        let none = || alloc::vec![Value::INFINITY; n];
-        let at = || alloc::vec![Value::INFINITY; n + LANES];
+        let none = || alloc::vec![f64::INFINITY; n];
+        let at = || alloc::vec![f64::INFINITY; n + LANES];
         VerletList {
             n,
             rows,
             first,
             at: [at(), at(), at()],
             was: [none(), none(), none()],
-            moved: Value::INFINITY,
-            rounding: Value::INFINITY,
+            moved: f64::INFINITY,
+            rounding: f64::INFINITY,
             start: alloc::vec![0; rows + 1],
             list: alloc::vec![0; (ROOM * n).min(rows.saturating_mul(columns))],
             skin: SKIN,
@@ -112,8 +112,8 @@ impl VerletList {
     }
 
     /// Number of pairs.
-    pub fn pairs(&self) -> Value {
-        let (n, rows) = (self.n as Value, self.rows as Value);
+    pub fn pairs(&self) -> f64 {
+        let (n, rows) = (self.n as f64, self.rows as f64);
         if self.first == 0 { 0.5 * n * (n - 1.0) } else { rows * (n - rows) }
     }
 
@@ -124,13 +124,13 @@ impl VerletList {
 
     /// Puts the points where they are: `point` is the rest position and the displacement of each \[m\].
     #[inline(always)]
-    pub fn place(&mut self, point: impl Fn(usize) -> [[Value; 3]; 2]) {
+    pub fn place(&mut self, point: impl Fn(usize) -> [[f64; 3]; 2]) {
         let n = self.n;
         let [x, y, z] = &mut self.at;
         let (x, y, z) = (&mut x[..n], &mut y[..n], &mut z[..n]);
         let [x0, y0, z0] = &self.was;
         let (x0, y0, z0) = (&x0[..n], &y0[..n], &z0[..n]);
-        let (mut moved, mut size): (Value, Value) = (0.0, 0.0);
+        let (mut moved, mut size): (f64, f64) = (0.0, 0.0);
         for k in 0..n {
             let [r, d] = point(k);
             (x[k], y[k], z[k]) = (r[0] + d[0], r[1] + d[1], r[2] + d[2]);
@@ -139,26 +139,26 @@ impl VerletList {
             let sum = (r[0].abs() + r[1].abs() + r[2].abs()) + (d[0].abs() + d[1].abs() + d[2].abs());
             size = size.max(finite(sum));
         }
-        self.moved = value_sqrt(moved);
+        self.moved = sqrt(moved);
         self.rounding = ROUNDING * size;
     }
 
     /// True where the list, if it had room, serves for pairs closer than `radius` \[m\].
-    fn serves(&self, radius: Value) -> bool {
+    fn serves(&self, radius: f64) -> bool {
         radius + 2.0 * self.moved + 4.0 * self.rounding <= self.reach
     }
 
     /// Makes a new list for pairs closer than `radius` \[m\], where the old one has served and a new one pays: that
     /// hangs on the square of the `speed` \[m/tick\] of the points.
     #[inline(always)]
-    pub fn renew(&mut self, radius: Value, speed: impl Fn(usize) -> Value) {
+    pub fn renew(&mut self, radius: f64, speed: impl Fn(usize) -> f64) {
         let skin = self.skin * radius;
-        if self.serves(radius) || !(skin > 0.0 && skin < Value::INFINITY) {
+        if self.serves(radius) || !(skin > 0.0 && skin < f64::INFINITY) {
             return;
         }
-        let fastest = (0..self.n).map(speed).fold(0.0, |a: Value, v| a.max(finite(v)));
+        let fastest = (0..self.n).map(speed).fold(0.0, |a: f64, v| a.max(finite(v)));
         // it lasts until the fastest has moved half the skin, and saves the test of all pairs in each tick
-        let (pairs, grid) = (self.pairs(), GRID * self.n as Value);
+        let (pairs, grid) = (self.pairs(), GRID * self.n as f64);
         let (half, cost) = (0.5 * skin * pairs, WORTH * pairs.min(grid));
         if half * half >= cost * cost * fastest && 8.0 * self.rounding <= skin {
             self.list(radius + skin, grid < pairs);
@@ -168,7 +168,7 @@ impl VerletList {
     /// Calls `visit` for every pair that may be closer than `radius` \[m\], by rows and then by columns; more of them
     /// are visited, so each must be measured. An infinite radius visits all.
     #[inline(always)]
-    pub fn each(&self, radius: Value, mut visit: impl FnMut(usize, usize)) {
+    pub fn each(&self, radius: f64, mut visit: impl FnMut(usize, usize)) {
         let far = self.far(radius);
         if self.full || !self.serves(radius) {
             return self.all(far, visit);
@@ -186,14 +186,14 @@ impl VerletList {
     }
 
     /// The square of the distance from which on a pair is certainly not closer than `radius`; no number where none is.
-    fn far(&self, radius: Value) -> Value {
+    fn far(&self, radius: f64) -> f64 {
         let far = radius + 4.0 * self.rounding;
-        if far < Value::INFINITY { far * far } else { Value::NAN }
+        if far < f64::INFINITY { far * far } else { f64::NAN }
     }
 
     /// Calls `visit` for every pair that is not `far`, by testing all of them.
     #[inline(always)]
-    fn all(&self, far: Value, mut visit: impl FnMut(usize, usize)) {
+    fn all(&self, far: f64, mut visit: impl FnMut(usize, usize)) {
         let [x, y, z] = &self.at;
         for i in 0..self.rows {
             let (xi, yi, zi) = (x[i], y[i], z[i]);
@@ -219,7 +219,7 @@ impl VerletList {
 
     /// Lists the pairs within `reach`, by the grid or by testing all.
     #[inline(always)]
-    fn list(&mut self, reach: Value, by_grid: bool) {
+    fn list(&mut self, reach: f64, by_grid: bool) {
         self.reach = reach;
         self.moved = 0.0;
         self.lists += 1;
@@ -255,7 +255,7 @@ impl VerletList {
     }
 
     /// Puts the columns into the cells of the grid, by counting.
-    fn fill_grid(&mut self, inverse: Value) {
+    fn fill_grid(&mut self, inverse: f64) {
         let grid = Grid { bits: self.bits, inverse };
         self.head.fill(0);
         for (k, c) in self.cell.iter_mut().enumerate() {
@@ -278,7 +278,7 @@ impl VerletList {
 
     /// Calls `visit` for the columns behind row `i` that are not `far` from it, cell by cell.
     #[inline(always)]
-    fn around(&self, i: usize, inverse: Value, far: Value, mut visit: impl FnMut(usize)) {
+    fn around(&self, i: usize, inverse: f64, far: f64, mut visit: impl FnMut(usize)) {
         let grid = Grid { bits: self.bits, inverse };
         let [x, y, z] = &self.at;
         let least = self.first.max(i + 1);
@@ -300,17 +300,17 @@ struct Grid {
     /// cells along each axis, as the exponent of 2
     bits: u32,
     /// one over the edge of a cell \[1/m\]
-    inverse: Value,
+    inverse: f64,
 }
 
 impl Grid {
     /// The cube a point is in.
     #[inline(always)]
-    fn cell(&self, at: &[Vec<Value>; 3], k: usize) -> [i64; 3] {
+    fn cell(&self, at: &[Vec<f64>; 3], k: usize) -> [i64; 3] {
         [0, 1, 2].map(|a| {
             let v = at[a][k] * self.inverse;
             let whole = v as i64;
-            whole.wrapping_sub(i64::from(v < whole as Value))
+            whole.wrapping_sub(i64::from(v < whole as f64))
         })
     }
 
@@ -343,11 +343,11 @@ impl Grid {
 
 /// What is not finite counts as infinite.
 #[inline(always)]
-fn finite(v: Value) -> Value {
-    if v < Value::INFINITY { v } else { Value::INFINITY }
+fn finite(v: f64) -> f64 {
+    if v < f64::INFINITY { v } else { f64::INFINITY }
 }
 
 #[inline(always)]
-fn is_far(square: Value, far: Value) -> bool {
+fn is_far(square: f64, far: f64) -> bool {
     square >= far
 }

@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{DUAL, Outer, Real, Table, outer, real};
+use crate::numeric::{Precision, Real, Table, outer, real};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -21,116 +21,116 @@ const COEFS: usize = 8;
 /// Sums side by side.
 pub(super) const LANES: usize = 8;
 /// Eight of them.
-pub type Lanes = [Outer; LANES];
+pub type Lanes<O = f64> = [O; LANES];
 
 /// The energies of a law.
 #[derive(Clone, Copy)]
-pub struct Energies {
+pub struct Energies<R: Real = f64> {
     /// see [`Phi::stored`]
-    pub stored: Stored,
+    pub stored: Stored<R>,
     /// see [`Phi::lost`]
-    pub lost: Lost,
+    pub lost: Lost<R>,
     /// both for a block; none where a method keeps them by its own account
-    block: Option<ByBlock>,
+    block: Option<ByBlock<R>>,
 }
 
-type ByBlock = fn(&Links, Elongations, &mut [Block; 2]);
+type ByBlock<R = f64> = fn(&Links<R>, Elongations<R>, &mut [Block<R>; 2]);
 
-impl Energies {
+impl<R: Real> Energies<R> {
     /// Those of a [`Phi`].
-    pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> Energies {
+    pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> Energies<R> {
         Energies {
             stored: |c, mem, tables, e0, e1| P::stored(&numbers(c), &numbers(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&numbers(c), &numbers(mem), tables, e),
             // a number and its derivatives fill a vector by themselves, so that blocks would gain nothing: link by link
-            block: if DUAL {
+            block: if matches!(R::PRECISION, Precision::Dual) {
                 None
             } else {
                 Some(|links, e, out| {
-                    wide::plain(links.layout, ByLaw::<P, C, M> { links, e, out, law: PhantomData });
+                    wide::plain(links.layout, ByLaw::<R, P, C, M> { links, e, out, law: PhantomData });
                 })
             },
         }
     }
 
     /// Those a method keeps.
-    pub(crate) const fn kept(stored: Stored, lost: Lost) -> Energies {
+    pub(crate) const fn kept(stored: Stored<R>, lost: Lost<R>) -> Energies<R> {
         Energies { stored, lost, block: None }
     }
 }
 
 /// The first numbers of a slice.
 #[inline(always)]
-pub(super) fn numbers<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
+pub(crate) fn numbers<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
     s.first_chunk::<N>().copied().unwrap_or([T::default(); N])
 }
 
 /// A block of links of an account.
 #[derive(Clone, Copy)]
-pub struct Links<'a> {
-    layout: &'a Layout,
-    s: &'a State,
-    account: &'a Account,
+pub struct Links<'a, R: Real> {
+    layout: &'a Layout<R>,
+    s: &'a State<R>,
+    account: &'a Account<R>,
     /// the first, and how many
     from: usize,
     n: usize,
 }
 
-impl<'a> Links<'a> {
+impl<'a, R: Real> Links<'a, R> {
     /// One column of their coefficients.
     #[inline(always)]
-    fn column(&self, k: usize) -> &'a [Real] {
+    fn column(&self, k: usize) -> &'a [R] {
         let a = self.account;
         &self.s.coef[a.coef + k * a.n + self.from..][..self.n]
     }
 
     /// Their memory, one link after the other.
     #[inline(always)]
-    fn memory(&self) -> &'a [Real] {
+    fn memory(&self) -> &'a [R] {
         let a = self.account;
-        &self.s.mem[a.mem + self.from * a.mems..][..self.n * a.mems]
+        &self.s.mem[a.mem + self.from * a.law.mem..][..self.n * a.law.mem]
     }
 
-    fn tables(&self) -> &'a [Table] {
+    fn tables(&self) -> &'a [Table<R>] {
         &self.layout.tables
     }
 }
 
 /// The energies of a block by a law, from elongations that were measured, or from the two ends of a row.
-struct ByLaw<'a, P, const C: usize, const M: usize> {
-    links: &'a Links<'a>,
-    e: Elongations<'a>,
-    out: &'a mut [Block; 2],
+struct ByLaw<'a, R: Real, P, const C: usize, const M: usize> {
+    links: &'a Links<'a, R>,
+    e: Elongations<'a, R>,
+    out: &'a mut [Block<R>; 2],
     law: PhantomData<P>,
 }
 
 /// Where elongations before, at and after the tick come from.
 #[derive(Clone, Copy)]
-pub enum Elongations<'a> {
+pub enum Elongations<'a, R: Real> {
     /// they were measured
-    Measured(&'a [Block; 3]),
+    Measured(&'a [Block<R>; 3]),
     /// of a row whose first link has these ends, from the motion into the tick: measured where they are used, which saves
     /// to write and read them
-    Row([usize; 2], &'a [Real]),
+    Row([usize; 2], &'a [R]),
 }
 
-impl<P: Phi<C, M>, const C: usize, const M: usize> WithSimd for ByLaw<'_, P, C, M> {
+impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize> WithSimd for ByLaw<'_, R, P, C, M> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Links { layout, s, account: a, from, n } = *self.links;
-        let columns: [&[Real]; C] = core::array::from_fn(|k| self.links.column(k));
+        let columns: [&[R]; C] = core::array::from_fn(|k| self.links.column(k));
         let [stored, lost] = self.out.each_mut().map(|o| &mut o[..n.min(BLOCK)]);
         match self.e {
             Elongations::Measured(e) => {
                 let [before, at, after] = e.each_ref().map(|e| &e[..n.min(BLOCK)]);
                 let (tables, memory) = (self.links.tables(), self.links.memory());
-                each::<P, C, M>(tables, columns, memory, stored, lost, |i| [before[i], at[i], after[i]]);
+                each::<R, P, C, M>(tables, columns, memory, stored, lost, |i| [before[i], at[i], after[i]]);
             }
             Elongations::Row([p, q], d0) => {
                 let e0 = &layout.e0[a.first + from..][..n];
                 let [x, d, d0] = [&s.x[..], &s.d[..], d0].map(|v| [&v[p..][..n], &v[q..][..n]]);
-                each::<P, C, M>(self.links.tables(), columns, &[], stored, lost, |i| {
+                each::<R, P, C, M>(self.links.tables(), columns, &[], stored, lost, |i| {
                     let after = x[1][i] - x[0][i] + e0[i];
                     let at = after - (d[1][i] - d[0][i]);
                     [at - (d0[1][i] - d0[0][i]), at, after]
@@ -142,13 +142,13 @@ impl<P: Phi<C, M>, const C: usize, const M: usize> WithSimd for ByLaw<'_, P, C, 
 
 /// The law for each of some links.
 #[inline(always)]
-fn each<P: Phi<C, M>, const C: usize, const M: usize>(
-    tables: &[Table],
-    columns: [&[Real]; C],
-    memory: &[Real],
-    stored: &mut [Real],
-    lost: &mut [Real],
-    e: impl Fn(usize) -> [Real; 3],
+fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
+    tables: &[Table<R>],
+    columns: [&[R]; C],
+    memory: &[R],
+    stored: &mut [R],
+    lost: &mut [R],
+    e: impl Fn(usize) -> [R; 3],
 ) {
     let n = stored.len();
     let (columns, lost) = (columns.map(|c| &c[..n]), &mut lost[..n]);
@@ -163,53 +163,53 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize>(
 }
 
 /// What is written for each link of an account: what it stores, what it has lost, and what the scheme made in it \[J\].
-pub struct Entries<'a> {
+pub struct Entries<'a, R: Real> {
     /// stored at the last tick; of linear links nobody asks for it
-    pub stored: &'a mut [Outer],
+    pub stored: &'a mut [R::Outer],
     /// heat so far
-    pub lost: &'a mut [Outer],
+    pub lost: &'a mut [R::Outer],
     /// made so far
-    pub error: &'a mut [Outer],
+    pub error: &'a mut [R::Outer],
 }
 
 /// Sums over links \[J\].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sums {
+pub struct Sums<R: Real = f64> {
     /// stored
-    pub stored: Outer,
+    pub stored: R::Outer,
     /// heat of the tick
-    pub heat: Outer,
+    pub heat: R::Outer,
     /// made in the tick
-    pub error: Outer,
+    pub error: R::Outer,
 }
 
 /// Enters an account: `d0` is the motion into the tick; `tick` says whether a tick has passed, or only what is stored has
 /// changed.
-pub struct Enter<'a> {
+pub struct Enter<'a, R: Real> {
     /// what passes read
-    pub layout: &'a Layout,
+    pub layout: &'a Layout<R>,
     /// the state after the tick
-    pub s: &'a State,
+    pub s: &'a State<R>,
     /// its motion before
-    pub d0: &'a [Real],
+    pub d0: &'a [R],
     /// which links
-    pub account: &'a Account,
+    pub account: &'a Account<R>,
     /// whether heat and work are entered too
     pub tick: bool,
     /// where it is written
-    pub entries: Entries<'a>,
+    pub entries: Entries<'a, R>,
     /// numbers in passing
-    pub room: &'a mut Room,
+    pub room: &'a mut Room<R>,
 }
 
-impl WithSimd for Enter<'_> {
-    type Output = Sums;
+impl<R: Real> WithSimd for Enter<'_, R> {
+    type Output = Sums<R>;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Sums {
+    fn with_simd<S: Simd>(self, _: S) -> Sums<R> {
         let Enter { layout, s, d0, account, tick, entries, room } = self;
         let (mut sums, mut from) = (Sums::default(), 0);
         let Room { e, moved, out, .. } = room;
-        let (mut stored_all, mut lost) = (Lanes::default(), Lanes::default());
+        let [mut stored_all, mut lost]: [Lanes<R::Outer>; 2] = [Lanes::<R::Outer>::default(); 2];
         while from < account.n {
             let [first, second] = account.rows;
             let (row, end) = match from {
@@ -239,7 +239,7 @@ impl WithSimd for Enter<'_> {
                 for i in 0..n {
                     let now = outer(stored[i]);
                     if tick {
-                        let work = outer(-s.tap[account.tap + from + i] * 0.5 * moved[i]);
+                        let work = outer(-s.tap[account.tap + from + i] * R::of(0.5) * moved[i]);
                         let made = now - before[i] + work + outer(heat[i]);
                         error[i] += made;
                         sums.error += made;
@@ -259,13 +259,13 @@ impl WithSimd for Enter<'_> {
 }
 
 /// Link by link, by the functions of the law.
-fn one_by_one(links: &Links, e: &[Block; 3], [stored, lost]: &mut [Block; 2]) {
+fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
     let mut room = [real(0.0); COEFS];
-    let c = a.coefs.min(COEFS);
+    let c = a.law.coefs.min(COEFS);
     for i in 0..links.n {
         room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
-        let mem = &links.memory()[i * a.mems..][..a.mems];
+        let mem = &links.memory()[i * a.law.mem..][..a.law.mem];
         let around = [e[0][i], e[1][i], e[2][i]];
         stored[i] = (a.energies.stored)(&room[..c], mem, links.tables(), around[1], around[2]);
         lost[i] = (a.energies.lost)(&room[..c], mem, links.tables(), around);
@@ -275,7 +275,7 @@ fn one_by_one(links: &Links, e: &[Block; 3], [stored, lost]: &mut [Block; 2]) {
 /// Elongations of a block before, at and after the tick, and how far its ends `moved` along their force in the two ticks
 /// together.
 #[inline(always)]
-fn elongations(links: &Links, d0: &[Real], e: &mut [Block; 3], moved: &mut Block) {
+fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, s, account: a, from, n } = *links;
     if a.ports.measure != MeasureKind::Line || a.ports.onto.is_some() {
         return measured(links, d0, e, moved);
@@ -299,7 +299,7 @@ fn elongations(links: &Links, d0: &[Real], e: &mut [Block; 3], moved: &mut Block
 
 /// The same of links that measure in space or at two ports.
 #[inline(always)]
-fn measured(links: &Links, d0: &[Real], e: &mut [Block; 3], moved: &mut Block) {
+fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, account: a, from, n, .. } = *links;
     let n = n.min(BLOCK);
     let e0 = &layout.e0[a.first + from..][..n];
@@ -315,12 +315,12 @@ fn measured(links: &Links, d0: &[Real], e: &mut [Block; 3], moved: &mut Block) {
 
 /// Adds what one port of each link measures: the measure, all ends, the first of its own, the first of its reach.
 #[inline(always)]
-fn port(
-    links: &Links,
-    d0: &[Real],
+fn port<R: Real>(
+    links: &Links<R>,
+    d0: &[R],
     (kind, ends, first, reach): (MeasureKind, &[[u32; 2]], usize, usize),
-    e: &mut [Block; 3],
-    moved: &mut Block,
+    e: &mut [Block<R>; 3],
+    moved: &mut Block<R>,
 ) {
     let Links { layout, s, from, n, .. } = *links;
     let n = n.min(BLOCK);
@@ -348,16 +348,16 @@ fn port(
 
 /// Adds numbers to eight sums side by side, so that the total is the same whatever the width of a vector.
 #[inline(always)]
-pub(crate) fn add<T: Copy + Into<Outer>>(lanes: &mut Lanes, all: &[T]) {
+pub(crate) fn add<R: Real>(lanes: &mut Lanes<R::Outer>, all: &[R]) {
     let mut sums = *lanes;
     let (whole, rest) = all.as_chunks::<LANES>();
     for eight in whole {
         for k in 0..LANES {
-            sums[k] += eight[k].into();
+            sums[k] += outer(eight[k]);
         }
     }
     for (sum, v) in sums.iter_mut().zip(rest) {
-        *sum += (*v).into();
+        *sum += outer(*v);
     }
     *lanes = sums;
 }

@@ -6,12 +6,12 @@
 
 use super::Op;
 use super::pass::Heard;
-use crate::numeric::{Real, TINY, outer, real};
+use crate::numeric::{Real, outer, real};
 use crate::op::layout::{DcBlocker, Layout, Tap};
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
-pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
+pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
         let y = step(*c, &mut s.blocked[k], s.tick, v);
@@ -20,7 +20,7 @@ pub fn blocker(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// The last outputs, from `op.first` on: they hear motion.
-pub fn of_motion(op: &Op, layout: &Layout, s: &mut State) {
+pub fn of_motion<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let before = layout.blockers.len() - op.n;
     for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[before..]).enumerate() {
         let Tap::Position(m) = o.tap else { continue };
@@ -32,10 +32,10 @@ pub fn of_motion(op: &Op, layout: &Layout, s: &mut State) {
 
 /// What a high pass makes of `v`.
 #[inline(always)]
-fn step(c: DcBlocker, kept: &mut [Real; 2], tick: u64, v: Real) -> Real {
+fn step<R: Real>(c: DcBlocker<R>, kept: &mut [R; 2], tick: u64, v: R) -> R {
     let [before, y] = if tick == 0 { [v, real(0.0)] } else { *kept };
     let y = c.r * y + c.g * (v - before);
-    let y = if y.abs() < TINY { real(0.0) } else { y };
+    let y = if y.abs() < R::TINY { real(0.0) } else { y };
     *kept = [v, y];
     y
 }

@@ -5,7 +5,7 @@
 //! once a gesture frame, and coefficients go to what it says in a straight line over the frame, as those of a live parameter do.
 
 use super::Op;
-use crate::numeric::{inner, outer};
+use crate::numeric::{Real, inner, outer};
 use crate::op::layout::Layout;
 use crate::op::substep::phase;
 use crate::state::State;
@@ -13,7 +13,7 @@ use crate::state::State;
 pub use crate::op::layout::Driven;
 
 /// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
-pub fn drive(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if phase(layout.frame, s.tick) > 1 {
         return;
     }
@@ -31,7 +31,7 @@ pub fn drive(_op: &Op, layout: &Layout, s: &mut State) {
         let (below, above) = (&d.table[row * n..][..n], &d.table[(row + 1) * n..][..n]);
         for ((place, a), b) in d.places.iter().zip(below).zip(above) {
             let (a, b) = (outer(*a), outer(*b));
-            s.turn(*place as usize, inner(a + part * (b - a)), ticks);
+            s.turn(*place as usize, inner(a + <R::Outer>::of(part) * (b - a)), ticks);
         }
     }
 }

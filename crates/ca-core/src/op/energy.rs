@@ -10,29 +10,29 @@ use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
-use crate::numeric::{Outer, Real, VerletList, bare, lift, outer, real};
+use crate::numeric::{Real, VerletList, outer, real, wide};
 use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
 
-impl Ledger {
+impl<R: Real> Ledger<R> {
     /// An empty ledger for a layout.
-    pub fn new(layout: &Layout) -> Ledger {
+    pub fn new(layout: &Layout<R>) -> Ledger<R> {
         let Layout { n_mat, n_lia, .. } = *layout;
         let (points, tgr) = (layout.moving_points.len(), layout.tgr.len());
         let ports = layout.enx.len() + tgr + layout.enf.len();
         let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
         Ledger {
-            lost: alloc::vec![lift(0.0); n_lia],
-            scheme_error: alloc::vec![lift(0.0); n_lia],
-            stored: alloc::vec![lift(0.0); n_lia],
+            lost: alloc::vec![real(0.0); n_lia],
+            scheme_error: alloc::vec![real(0.0); n_lia],
+            stored: alloc::vec![real(0.0); n_lia],
             d0: alloc::vec![real(0.0); n_mat],
-            port: alloc::vec![lift(0.0); ports],
-            work: alloc::vec![lift(0.0); ports],
+            port: alloc::vec![real(0.0); ports],
+            work: alloc::vec![real(0.0); ports],
             hands: alloc::vec![Exchange::default(); tgr],
             points: alloc::vec![[real(0.0); 2]; points],
-            stored_batches: alloc::vec![lift(0.0); accounts],
-            mass: alloc::vec![lift(0.0); n_mat],
+            stored_batches: alloc::vec![real(0.0); accounts],
+            mass: alloc::vec![real(0.0); n_mat],
             ..Ledger::default()
         }
     }
@@ -40,33 +40,37 @@ impl Ledger {
 
 /// Energy of the MATs and of weight between the last two ticks \[J\].
 #[derive(Default)]
-struct MatEnergy {
-    kinetic: Outer,
-    stored: Outer,
+struct MatEnergy<R: Real = f64> {
+    kinetic: R::Outer,
+    stored: R::Outer,
     /// heat of that tick
-    heat: Outer,
+    heat: R::Outer,
 }
 
 /// MATs, a block of them at a time.
-struct Mats<'a> {
-    layout: &'a Layout,
-    s: &'a State,
-    d0: &'a [Real],
-    mass: &'a [Outer],
+struct Mats<'a, R: Real> {
+    layout: &'a Layout<R>,
+    s: &'a State<R>,
+    d0: &'a [R],
+    mass: &'a [R::Outer],
 }
 
-impl WithSimd for Mats<'_> {
-    type Output = MatEnergy;
+impl<R: Real> WithSimd for Mats<'_, R> {
+    type Output = MatEnergy<R>;
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> MatEnergy {
+    fn with_simd<S: Simd>(self, _: S) -> MatEnergy<R> {
         let Mats { layout, s, d0, mass } = self;
         let n = layout.n_mat;
         // eight sums of each side by side, as [`super::account::add`] has them, without writing what is summed
-        let mut sums = [Lanes::default(); 3];
-        let of = |x: Real, d: Real, d0: Real, p: Real, q: Real, m: Outer| {
+        let mut sums = [Lanes::<R::Outer>::default(); 3];
+        let of = |x: R, d: R, d0: R, p: R, q: R, m: R::Outer| {
             let [x, d, d0, p, q] = [x, d, d0, p, q].map(outer);
-            let (z, moved) = (0.25 * (1.0 - p), d + d0);
-            [0.5 * d * d * m, (-0.5 * q * x * (x - d) - z * d * d) * m, z * moved * moved * m]
+            let (z, moved) = (<R::Outer>::of(0.25) * (<R::Outer>::of(1.0) - p), d + d0);
+            [
+                <R::Outer>::of(0.5) * d * d * m,
+                (<R::Outer>::of(-0.5) * q * x * (x - d) - z * d * d) * m,
+                z * moved * moved * m,
+            ]
         };
         let (p, q) = (s.coef[..n].as_chunks::<LANES>(), s.coef[n..][..n].as_chunks::<LANES>());
         let (x, d) = (s.x[..n].as_chunks::<LANES>(), s.d[..n].as_chunks::<LANES>());
@@ -91,35 +95,35 @@ impl WithSimd for Mats<'_> {
 }
 
 /// Masses from the coefficients of the MATs.
-fn weigh(layout: &Layout, s: &State, mass: &mut [Outer]) {
+fn weigh<R: Real>(layout: &Layout<R>, s: &State<R>, mass: &mut [R::Outer]) {
     for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
-        *m = if *c == 0.0 { lift(0.0) } else { 1.0 / outer(*c) };
+        *m = if *c == R::ZERO { real(0.0) } else { <R::Outer>::of(1.0) / outer(*c) };
     }
     // what is a sum of modes has its inertia in these
-    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = lift(0.0));
+    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = real(0.0));
 }
 
 /// Energy of the MATs, and of weight.
-fn mats(layout: &Layout, s: &State, d0: &[Real], mass: &[Outer]) -> MatEnergy {
+fn mats<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R], mass: &[R::Outer]) -> MatEnergy<R> {
     let mut all = vectors(layout, Mats { layout, s, d0, mass });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
         let (x, d) = (outer(s.x[*m as usize]), outer(s.d[*m as usize]));
-        all.stored -= outer(s.coef[weight + k]) * (x - 0.5 * d);
+        all.stored -= outer(s.coef[weight + k]) * (x - <R::Outer>::of(0.5) * d);
     }
     all
 }
 
 /// Enters what the links of a batch hold; where a `tick` has passed, their heat and what they made too. `d0` is the motion
 /// into it.
-fn links(
-    layout: &Layout,
-    s: &State,
+fn links<R: Real>(
+    layout: &Layout<R>,
+    s: &State<R>,
     near: &mut [VerletList],
-    d0: &[Real],
-    l: &mut Ledger,
-    (account, tick): (&Account, bool),
-) -> Sums {
+    d0: &[R],
+    l: &mut Ledger<R>,
+    (account, tick): (&Account<R>, bool),
+) -> Sums<R> {
     let range = account.first..account.first + account.n;
     let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
     let Some(at) = account.ports.pair_set else {
@@ -128,7 +132,7 @@ fn links(
     };
     // a set is one module
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
-    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [lift(0.0); 2] };
+    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [real(0.0); 2] };
     stored[0] = now;
     lost[0] += heat;
     error[0] += made;
@@ -136,7 +140,14 @@ fn links(
 }
 
 /// Enters all links.
-fn all_links(layout: &Layout, s: &State, near: &mut [VerletList], d0: &[Real], l: &mut Ledger, tick: bool) -> Sums {
+fn all_links<R: Real>(
+    layout: &Layout<R>,
+    s: &State<R>,
+    near: &mut [VerletList],
+    d0: &[R],
+    l: &mut Ledger<R>,
+    tick: bool,
+) -> Sums<R> {
     let mut all = Sums::default();
     for (k, account) in layout.ledger.iter().flat_map(|p| &p.accounts).enumerate() {
         let sums = links(layout, s, near, d0, l, (account, tick));
@@ -149,29 +160,36 @@ fn all_links(layout: &Layout, s: &State, near: &mut [VerletList], d0: &[Real], l
 }
 
 /// What a set holds after the tick being entered, its heat in that tick, and the work of its force on its members.
-struct Entry {
-    stored: Outer,
-    heat: Outer,
-    work: Outer,
+struct Entry<R: Real = f64> {
+    stored: R::Outer,
+    heat: R::Outer,
+    work: R::Outer,
 }
 
 /// All pairs of a set together; its work is that of what it did to each of its members.
-fn set(layout: &Layout, s: &State, near: &mut VerletList, d0: &[Real], a: &Account, at: usize) -> Entry {
-    let (mut stored, mut heat) = (lift(0.0), lift(0.0));
-    let c = &s.coef[a.coef..][..a.coefs];
+fn set<R: Real>(
+    layout: &Layout<R>,
+    s: &State<R>,
+    near: &mut VerletList,
+    d0: &[R],
+    a: &Account<R>,
+    at: usize,
+) -> Entry<R> {
+    let (mut stored, mut heat) = (real(0.0), real(0.0));
+    let c = &s.coef[a.coef..][..a.law.coefs];
     let (of, tables) = (a.energies, &layout.tables);
     pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
         stored += outer((of.stored)(c, &[], tables, e[1], e[2]));
         heat += outer((of.lost)(c, &[], tables, e));
     });
     let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
-    let moved = |i: usize| 0.5 * (s.d[i] + d0[i]);
-    let work = pushed.map(|(m, f)| (0..3).map(|k| outer(f[k] * moved(*m as usize + k))).sum::<Outer>()).sum();
+    let moved = |i: usize| R::of(0.5) * (s.d[i] + d0[i]);
+    let work = pushed.map(|(m, f)| (0..3).map(|k| outer(f[k] * moved(*m as usize + k))).sum::<R::Outer>()).sum();
     Entry { stored, heat, work }
 }
 
 /// What everything holds at load.
-fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> Outer {
+fn load<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &mut Ledger<R>) -> R::Outer {
     weigh(layout, s, &mut l.mass);
     let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
@@ -179,9 +197,9 @@ fn load(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> 
 }
 
 /// What changes brought in: only what may change is looked at again.
-fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) -> Outer {
-    let Some(plan) = &layout.ledger else { return lift(0.0) };
-    let mut came = lift(0.0);
+fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &mut Ledger<R>) -> R::Outer {
+    let Some(plan) = &layout.ledger else { return real(0.0) };
+    let mut came = real(0.0);
     if plan.live {
         weigh(layout, s, &mut l.mass);
         let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
@@ -197,7 +215,7 @@ fn changes(layout: &Layout, s: &State, near: &mut [VerletList], l: &mut Ledger) 
 }
 
 /// Records the tick that has just been completed by reading the inputs of the next.
-pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.near);
     l.turning = s.ramps.is_moving();
@@ -209,7 +227,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
         l.h0 = load(layout, s, &mut near, &mut l);
         s.near = near;
         l.h = l.h0;
-        l.peak = bare(l.h0).abs().max(bare(l.kinetic));
+        l.peak = wide(l.h0).abs().max(wide(l.kinetic));
         l.received = l.peak;
         s.ledger = Some(l);
         return;
@@ -217,7 +235,7 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let before = l.h;
     let mut work = core::mem::take(&mut l.pulled);
     l.pointer += work;
-    let moved = |m: u32, d0: &[Real]| 0.5 * outer(s.d[m as usize] + d0[m as usize]);
+    let moved = |m: u32, d0: &[R]| <R::Outer>::of(0.5) * outer(s.d[m as usize] + d0[m as usize]);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
@@ -230,18 +248,18 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     }
     if let (Some(group), Some(slow)) = (&layout.slow, &s.slow) {
         let each = group.ports.iter().zip(&slow.ports).take(group.coupled);
-        let w: Outer = each.clone().map(|(p, b)| -b.force * moved(p.at, &l.d0)).sum();
+        let w: R::Outer = each.clone().map(|(p, b)| <R::Outer>::of(-b.force) * moved(p.at, &l.d0)).sum();
         work += w;
         l.crossed += w;
         if s.tick == 1 {
             // what came with the motion into the pose of load is held at load
-            let before: Outer = each.map(|(p, b)| -b.force * 0.5 * outer(l.d0[p.at as usize])).sum();
+            let before: R::Outer = each.map(|(p, b)| <R::Outer>::of(-b.force * 0.5) * outer(l.d0[p.at as usize])).sum();
             l.crossed -= before;
             l.h0 += before;
         }
     }
     if s.tick == 1 {
-        let given: Outer = l.kick.iter().zip(0..).map(|(f, m)| outer(*f) * moved(m, &l.d0)).sum();
+        let given: R::Outer = l.kick.iter().zip(0..).map(|(f, m)| outer(*f) * moved(m, &l.d0)).sum();
         l.changed += given;
         work += given;
     }
@@ -255,21 +273,22 @@ pub fn ledger(_op: &Op, layout: &Layout, s: &mut State) {
     let lost = heat + beside + of_links.heat;
     let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
-    l.worst = l.worst.max(bare(h - before - work + lost - of_links.error).abs());
-    l.heat += bare(lost).abs();
-    // what is in motion may come from a potential that is as negative
-    let all = bare(h).abs().max(bare(kinetic)) + l.heat;
-    l.peak = l.peak.max(all);
-    l.made += bare(of_links.error);
-    l.received = l.received.max(all - l.made - bare(l.border));
+    l.worst = l.worst.max(wide(h - before - work + lost - of_links.error).abs());
+    l.heat += wide(lost).abs();
+    l.net_heat += wide(lost);
+    l.made += wide(of_links.error);
+    // the energy of motion may come from a potential that is as negative
+    let [h, kinetic] = [wide(h), wide(kinetic)];
+    l.peak = l.peak.max(h.abs().max(kinetic) + l.heat);
+    l.received = l.received.max(h.max(kinetic) + l.net_heat - l.made - wide(l.border));
     s.near = near;
     s.ledger = Some(l);
 }
 
 /// After changes of parameters or of moving points: what they brought in. Where neither moved in this tick, nothing.
-pub fn ledger_changes(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let at = |p: &MovingPoint| [&s.x, &s.d].map(|v| v[p.mat as usize]);
-    let moved = |l: &Ledger| l.turning || !layout.moving_points.iter().map(at).eq(l.points.iter().copied());
+    let moved = |l: &Ledger<R>| l.turning || !layout.moving_points.iter().map(at).eq(l.points.iter().copied());
     if !s.ledger.as_deref().is_some_and(moved) {
         return;
     }
@@ -283,7 +302,7 @@ pub fn ledger_changes(_op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// At the end of the forces: keeps what the next tick overwrites.
-pub fn keep(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn keep<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);
     for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
@@ -291,6 +310,6 @@ pub fn keep(_op: &Op, layout: &Layout, s: &mut State) {
     }
     for (k, p) in (layout.enx.len() + layout.tgr.len()..).zip(&layout.enf) {
         let v = s.input[p.input as usize];
-        l.port[k] = lift(if v.is_finite() { v } else { 0.0 });
+        l.port[k] = real(if v.is_finite() { v } else { 0.0 });
     }
 }

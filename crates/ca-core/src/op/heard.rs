@@ -12,11 +12,11 @@ use crate::state::State;
 pub const COEFS: usize = 8;
 
 /// Leaves the forces of the first `op.n` of [`Layout::heard`] in [`State::tap`].
-pub fn heard(op: &Op, layout: &Layout, s: &mut State) {
+pub fn heard<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, d) = (&s.x[..], &s.d[..]);
     for h in &layout.heard[..op.n] {
         let [a, b] = h.ends.map(|m| m as usize);
-        let mut c: [Real; COEFS] = [real(0.0); COEFS];
+        let mut c: [R; COEFS] = [real(0.0); COEFS];
         for (k, c) in c.iter_mut().enumerate().take(h.coefs as usize) {
             *c = s.coef[h.coef as usize + k * h.step as usize];
         }

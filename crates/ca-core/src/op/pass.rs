@@ -3,15 +3,15 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::numeric::{DUAL, Outer, Real, TINY, bare, inner, lift, outer, real};
+use crate::numeric::{Precision, Real, inner, outer, real, wide};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for
 /// those whose motion is part of the start.
-pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
+pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.enx[..op.n] {
-        let x = inner(s.valid_input(p.input) - p.rest);
+        let x = inner(<R::Outer>::of(s.valid_input(p.input)) - p.rest);
         let m = p.mat as usize;
         if s.tick > 0 {
             s.d[m] = x - s.x[m];
@@ -24,7 +24,7 @@ pub fn enx(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
-pub fn enf<const COUNTED: bool>(op: &Op, layout: &Layout, s: &mut State) {
+pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let mut last = u32::MAX;
     for p in &layout.enf[op.first..][..op.n] {
         let v = s.input[p.input as usize];
@@ -36,56 +36,57 @@ pub fn enf<const COUNTED: bool>(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Constant forces: weight.
-pub fn weight(op: &Op, layout: &Layout, s: &mut State) {
+pub fn weight<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, m) in layout.weighed[..op.n].iter().enumerate() {
         s.f[*m as usize] += s.coef[op.coef + k];
     }
 }
 
 /// Finds the cell under each moving point.
-pub fn aim(op: &Op, layout: &Layout, s: &mut State) {
+pub fn aim<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         s.cells[k] = cell(layout, s, p);
     }
 }
 
-fn coordinate(layout: &Layout, s: &State, place: CoordinateSource) -> Outer {
+fn coordinate<R: Real>(layout: &Layout<R>, s: &State<R>, place: CoordinateSource) -> R::Outer {
     let v = match place {
         CoordinateSource::Coef(c) => outer(s.coef[c as usize]),
         CoordinateSource::Mat(m) => outer(s.x[m as usize]) + outer(layout.rest[m as usize]),
     };
     // a coordinate that is not a number stays where nothing is hurt
-    if v >= 0.0 { v.min(1.0) } else { lift(0.0) }
+    if wide(v) >= 0.0 { v.min(<R::Outer>::of(1.0)) } else { real(0.0) }
 }
 
 /// Node and weight along one direction of `n` nodes.
-pub fn step(u: Outer, n: u32) -> (u32, Outer) {
-    let at = u * f64::from(n - 1);
-    let i = (bare(at) as u32).min(n.saturating_sub(2));
-    (i, at - f64::from(i))
+pub fn step<O: Real>(u: O, n: u32) -> (u32, O) {
+    let at = u * real(f64::from(n - 1));
+    let i = (wide(at) as u32).min(n.saturating_sub(2));
+    (i, at - real(f64::from(i)))
 }
 
 /// The cell of one moving point at its present coordinates.
-pub fn cell(layout: &Layout, s: &State, p: &MovingPoint) -> Cell {
+pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<R> {
+    let one = <R::Outer>::of(1.0);
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
     let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
         return Cell {
             n: 2,
             node: [node(i, 0), node(i + 1, 0), 0, 0],
-            weight: [1.0 - a, a, lift(0.0), lift(0.0)].map(inner),
+            weight: [one - a, a, real(0.0), real(0.0)].map(inner),
         };
     }
     let (j, b) = step(coordinate(layout, s, p.at[1]), p.size[1]);
     Cell {
         n: 4,
         node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
-        weight: [(1.0 - a) * (1.0 - b), (1.0 - a) * b, a * (1.0 - b), a * b].map(inner),
+        weight: [(one - a) * (one - b), (one - a) * b, a * (one - b), a * b].map(inner),
     }
 }
 
 /// Positions of moving points from their cells.
-pub fn project(op: &Op, layout: &Layout, s: &mut State) {
+pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let (mut x, mut d) = (real(0.0), real(0.0));
@@ -101,7 +102,7 @@ pub fn project(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Force on moving points back to their cells, with the weights of the position: no energy is made.
-pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
+pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
         let c = s.cells[k];
         let f = s.f[p.mat as usize];
@@ -112,15 +113,15 @@ pub fn spread(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Positions of masses that go by their modes.
-pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
+pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.modal[..op.n] {
         let n = p.n as usize;
         let share = &layout.shares[p.share as usize..][..n];
-        let dot = |q: &[Real]| {
+        let dot = |q: &[R]| {
             // four sums side by side: one after the other they would wait for each other
-            let mut part = [real(0.0); 4];
+            let mut part = [R::ZERO; 4];
             let (q, w) = (q[p.first as usize..][..n].chunks_exact(4), share.chunks_exact(4));
-            let rest: Real = q.remainder().iter().zip(w.remainder()).map(|(q, w)| q * w).sum();
+            let rest: R = q.remainder().iter().zip(w.remainder()).map(|(q, w)| *q * *w).sum();
             for (q, w) in q.zip(w) {
                 for k in 0..4 {
                     part[k] += q[k] * w[k];
@@ -135,30 +136,30 @@ pub fn sum(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Forces on masses that go by their modes back to these, with the shares of the position: no energy is made.
-pub fn share(op: &Op, layout: &Layout, s: &mut State) {
+pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.modal[..op.n] {
         let (f, n) = (s.f[p.mat as usize], p.n as usize);
         let share = &layout.shares[p.share as usize..][..n];
         for (q, w) in s.f[p.first as usize..][..n].iter_mut().zip(share) {
-            *q += w * f;
+            *q += *w * f;
         }
     }
 }
 
 /// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
 /// memory for what was written there.
-pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
+pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let State { x, f, tap, coef, output, .. } = s;
     let heard = Heard { x, f, tap };
     let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-    output.fill(lift(0.0));
-    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), lift(0.0));
+    output.fill(real(0.0));
+    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), real(0.0));
     for (o, gain) in outputs.iter().zip(gains) {
         if o.channel != channel {
             output[channel as usize] = sum;
-            (channel, sum) = (o.channel, lift(0.0));
+            (channel, sum) = (o.channel, real(0.0));
         }
-        sum += outer(gain * heard.by(o));
+        sum += outer(*gain * heard.by(o));
     }
     if !outputs.is_empty() {
         output[channel as usize] = sum;
@@ -166,10 +167,10 @@ pub fn outputs(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Adds the outputs from `op.first` on that hear motion.
-pub fn motions(op: &Op, layout: &Layout, s: &mut State) {
+pub fn motions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (o, gain) in layout.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
         if let Tap::Position(m) = o.tap {
-            s.output[o.channel as usize] += outer(gain * s.d[m as usize]);
+            s.output[o.channel as usize] += outer(*gain * s.d[m as usize]);
         }
     }
 }
@@ -179,21 +180,21 @@ pub const MANY: usize = 16;
 
 /// The outputs of this tick where a channel has [`MANY`], whose sum goes by the order of its outputs alone: eight side by side,
 /// output i in lane i mod 8, then the lanes in pairs. Positions that follow each other are read as they stand.
-pub fn many_outputs(op: &Op, layout: &Layout, s: &mut State) {
-    wide::wide::<ManyOutputs>(op, layout, s);
+pub fn many_outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::wide::<R, ManyOutputs>(op, layout, s);
 }
 
 const LANES: usize = 8;
 
 struct ManyOutputs;
 
-impl Body for ManyOutputs {
+impl<R: Real> Body<R> for ManyOutputs {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let State { x, f, tap, coef, output, .. } = s;
         let heard = Heard { x, f, tap };
         let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-        output.fill(lift(0.0));
+        output.fill(real(0.0));
         for row in &layout.output_rows {
             let (of_channel, other_outputs) = outputs.split_at(row.n as usize);
             let (own, other_gains) = gains.split_at(row.n as usize);
@@ -201,11 +202,11 @@ impl Body for ManyOutputs {
             let pairs = || of_channel.iter().zip(own);
             output[row.channel as usize] = match row.first {
                 Some(first) => dot(own, &heard.x[first as usize..][..own.len()]),
-                None if own.len() < MANY => pairs().fold(lift(0.0), |sum, (o, gain)| sum + outer(gain * heard.by(o))),
+                None if own.len() < MANY => pairs().fold(real(0.0), |sum, (o, gain)| sum + outer(*gain * heard.by(o))),
                 None => {
-                    let mut lanes = [lift(0.0); LANES];
+                    let mut lanes = [<R::Outer>::ZERO; LANES];
                     for (i, (o, gain)) in pairs().enumerate() {
-                        lanes[i % LANES] += outer(gain * heard.by(o));
+                        lanes[i % LANES] += outer(*gain * heard.by(o));
                     }
                     in_pairs(lanes)
                 }
@@ -215,8 +216,8 @@ impl Body for ManyOutputs {
 }
 
 #[inline(always)]
-fn dot(gains: &[Real], x: &[Real]) -> Outer {
-    let mut lanes = [lift(0.0); LANES];
+fn dot<R: Real>(gains: &[R], x: &[R]) -> R::Outer {
+    let mut lanes = [<R::Outer>::ZERO; LANES];
     let ((gains, last_gains), (x, last)) = (gains.as_chunks::<LANES>(), x.as_chunks::<LANES>());
     for (gain, x) in gains.iter().zip(x) {
         for k in 0..LANES {
@@ -224,45 +225,45 @@ fn dot(gains: &[Real], x: &[Real]) -> Outer {
         }
     }
     for (k, (gain, x)) in last_gains.iter().zip(last).enumerate() {
-        lanes[k] += outer(gain * x);
+        lanes[k] += outer(*gain * *x);
     }
     in_pairs(lanes)
 }
 
 #[inline(always)]
-fn in_pairs([a, b, c, d, e, f, g, h]: [Outer; LANES]) -> Outer {
+fn in_pairs<O: Real>([a, b, c, d, e, f, g, h]: [O; LANES]) -> O {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 /// The outputs of this tick where each channel hears one position, the channels in their order: there is no sum, and nothing to
 /// clear.
-pub fn positions(op: &Op, layout: &Layout, s: &mut State) {
+pub fn positions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
     for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {
         if let Tap::Position(m) = o.tap {
             // as a sum gives it, which is never -0
-            *v = 0.0 + outer(gain * x[m as usize]);
+            *v = <R::Outer>::ZERO + outer(*gain * x[m as usize]);
         }
     }
 }
 
 /// What outputs hear at this tick: positions, forces on MATs, forces of links.
-pub(super) struct Heard<'a> {
-    x: &'a [Real],
-    f: &'a [Real],
-    tap: &'a [Real],
+pub(super) struct Heard<'a, R: Real> {
+    x: &'a [R],
+    f: &'a [R],
+    tap: &'a [R],
 }
 
-impl<'a> Heard<'a> {
+impl<'a, R: Real> Heard<'a, R> {
     /// Those of a state.
     #[inline(always)]
-    pub(super) fn of(s: &'a State) -> Heard<'a> {
+    pub(super) fn of(s: &'a State<R>) -> Heard<'a, R> {
         Heard { x: &s.x, f: &s.f, tap: &s.tap }
     }
 
     /// What an output hears.
     #[inline(always)]
-    pub(super) fn by(&self, o: &Output) -> Real {
+    pub(super) fn by(&self, o: &Output) -> R {
         match o.tap {
             Tap::Position(m) => self.x[m as usize],
             Tap::ForceOn(m) => self.f[m as usize],
@@ -272,8 +273,8 @@ impl<'a> Heard<'a> {
 }
 
 /// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
-pub fn integrate_free(op: &Op, layout: &Layout, s: &mut State) {
-    wide::wide::<IntegrateFree>(op, layout, s);
+pub fn integrate_free<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::wide::<R, IntegrateFree>(op, layout, s);
 }
 
 /// Masses that are moved side by side. Loops over so many rather than over all: a stretch is often too short for the vectors a
@@ -282,9 +283,9 @@ const SIDE_BY_SIDE: usize = 4;
 
 struct IntegrateFree;
 
-impl Body for IntegrateFree {
+impl<R: Real> Body<R> for IntegrateFree {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
         let (x, d, f) = (&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n]);
         free(x, d, f, &s.coef[2 * layout.n_mat + at..][..n]);
@@ -293,7 +294,7 @@ impl Body for IntegrateFree {
 
 /// All of the same length.
 #[inline(always)]
-fn free(x: &mut [Real], d: &mut [Real], f: &mut [Real], c: &[Real]) {
+fn free<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], c: &[R]) {
     let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
     let ((fs, f), (cs, c)) = (f.as_chunks_mut::<SIDE_BY_SIDE>(), c.as_chunks::<SIDE_BY_SIDE>());
     for (((x, d), f), c) in xs.iter_mut().zip(ds).zip(fs).zip(cs) {
@@ -304,22 +305,22 @@ fn free(x: &mut [Real], d: &mut [Real], f: &mut [Real], c: &[Real]) {
         }
     }
     for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
-        *d += c * *f;
+        *d += *c * *f;
         *x += *d;
         *f = real(0.0);
     }
 }
 
 /// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
-pub fn integrate_full(op: &Op, layout: &Layout, s: &mut State) {
-    wide::wide::<IntegrateFull>(op, layout, s);
+pub fn integrate_full<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    wide::wide::<R, IntegrateFull>(op, layout, s);
 }
 
 struct IntegrateFull;
 
-impl Body for IntegrateFull {
+impl<R: Real> Body<R> for IntegrateFull {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
         let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + at..][..n]);
         full(&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n], [p, q, c]);
@@ -328,8 +329,8 @@ impl Body for IntegrateFull {
 
 /// All of the same length.
 #[inline(always)]
-fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
-    if DUAL {
+fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
+    if matches!(R::PRECISION, Precision::Dual) {
         // a number is a vector by itself, and what is side by side would be computed by a call for each
         for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(pqc[0]).zip(pqc[1].iter().zip(pqc[2])) {
             *d = *p * *d + *q * *x + *c * *f;
@@ -348,7 +349,7 @@ fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
         *f = [real(0.0); SIDE_BY_SIDE];
     }
     for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
-        *d = p * *d + q * *x + c * *f;
+        *d = *p * *d + *q * *x + *c * *f;
         *x += *d;
         *f = real(0.0);
     }
@@ -356,11 +357,11 @@ fn full(x: &mut [Real], d: &mut [Real], f: &mut [Real], pqc: [&[Real]; 3]) {
 
 /// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
-pub fn flush(op: &Op, layout: &Layout, s: &mut State) {
+pub fn flush<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if s.tick & 1023 == 1023 {
         let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {
-            if v.abs() < TINY {
+            if v.abs() < R::TINY {
                 *v = real(0.0);
             }
         }
@@ -368,7 +369,7 @@ pub fn flush(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// Moves coefficients one tick further.
-pub fn ramp(_op: &Op, _layout: &Layout, s: &mut State) {
+pub fn ramp<R: Real>(_op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     let (r, coef) = (&mut s.ramps, &mut s.coef);
     let mut k = 0;
     while k < r.moving {

@@ -6,6 +6,7 @@
 //! a port is a blow.
 
 use super::Op;
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
@@ -15,19 +16,21 @@ pub(crate) fn phase(n: u32, tick: u64) -> u32 {
 }
 
 /// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
-pub fn between(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(substeps) = &layout.substeps else { return };
     let now = s.tick * u64::from(substeps.times);
     s.tick = (now + 1).saturating_sub(u64::from(substeps.times));
     while s.tick < now {
-        (substeps.tick)(layout, s);
+        for op in &*substeps.tick {
+            (op.kernel)(op, layout, s);
+        }
         s.tick += 1;
     }
 }
 
 /// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
 /// none.
-pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
+pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(substeps) = &layout.substeps else { return };
     let j = phase(substeps.times, s.tick);
     for (g, i) in s.glide[..op.n].iter_mut().zip(&substeps.inputs) {
@@ -51,11 +54,11 @@ pub fn inputs(op: &Op, layout: &Layout, s: &mut State) {
 }
 
 /// From here on the state counts ticks.
-pub fn to_ticks(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn to_ticks<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     s.tick *= u64::from(layout.oversample());
 }
 
 /// From here on the state counts samples.
-pub fn to_samples(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn to_samples<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     s.tick /= u64::from(layout.oversample());
 }

@@ -6,11 +6,11 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::numeric::{Outer, Real, inner, lift, outer};
+use crate::numeric::{Real, inner, outer, real};
 use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
-impl Delay {
+impl<R: Real> Delay<R> {
     /// Place of the wave that left `back` ticks before `tick`; of what leaves in it for 0.
     pub(crate) fn at(&self, tick: u64, back: usize) -> usize {
         let now = (tick % self.len as u64) as usize;
@@ -18,7 +18,7 @@ impl Delay {
     }
 
     /// The last `way` waves that left before `tick`, in the one or two stretches of the ring they stand in.
-    fn under_way<'m>(&self, mem: &'m [Real], tick: u64, way: usize) -> [&'m [Real]; 2] {
+    fn under_way<'m>(&self, mem: &'m [R], tick: u64, way: usize) -> [&'m [R]; 2] {
         let ring = &mem[self.first..][..self.len];
         let first = self.at(tick, way) - self.first;
         let whole = way.min(self.len - first);
@@ -27,7 +27,7 @@ impl Delay {
 }
 
 /// Waves that arrive now, and their push on the junctions.
-pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let w = &layout.waves;
     for d in &w.delays {
         let wave = match d.end {
@@ -36,7 +36,7 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
             Termination::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
                 let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
-                let [a, b, c] = [loss.a, loss.b, loss.c].map(inner);
+                let [a, b, c] = [loss.a, loss.b, loss.c].map(inner::<R>);
                 let u = a * u1 + b * (u0 + u2);
                 let y = c * u + s.mem[memory];
                 s.mem[memory] = u - c * y;
@@ -47,30 +47,30 @@ pub fn arrive(_op: &Op, layout: &Layout, s: &mut State) {
     }
     for j in &w.junctions {
         let m = j.mat as usize;
-        s.f[m] += 2.0 * inner(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
+        s.f[m] += R::of(2.0) * inner(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
         s.mem[j.memory + 2] = s.d[m];
     }
 }
 
 /// Waves that leave, when the junctions have moved.
-pub fn depart(_op: &Op, layout: &Layout, s: &mut State) {
+pub fn depart<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for d in &layout.waves.delays {
         let j = &layout.waves.junctions[d.junction];
-        let v = 0.5 * (s.d[j.mat as usize] + s.mem[j.memory + 2]);
+        let v = R::of(0.5) * (s.d[j.mat as usize] + s.mem[j.memory + 2]);
         s.mem[d.at(s.tick, 0)] = v - s.mem[d.from];
     }
 }
 
 /// The sum of squares, eight sums side by side: one after the other they would wait for each other.
-fn squares(all: &[Real]) -> Outer {
+fn squares<R: Real>(all: &[R]) -> R::Outer {
     let (whole, rest) = all.as_chunks::<8>();
-    let mut sums = [lift(0.0); 8];
+    let mut sums = [real(0.0); 8];
     for eight in whole {
         for (sum, v) in sums.iter_mut().zip(eight) {
             *sum += outer(*v) * outer(*v);
         }
     }
-    sums.iter().sum::<Outer>() + rest.iter().map(|v| outer(*v) * outer(*v)).sum::<Outer>()
+    sums.iter().sum::<R::Outer>() + rest.iter().map(|v| outer(*v) * outer(*v)).sum::<R::Outer>()
 }
 
 /// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
@@ -78,21 +78,21 @@ fn squares(all: &[Real]) -> Outer {
 ///
 /// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
 /// still hear and (a+b)(a+2b) of the newer one count as stored; an allpass of memory q holds q²/(1 − c²).
-pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (Outer, Outer) {
+pub fn energy<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R]) -> (R::Outer, R::Outer) {
     let w = &layout.waves;
-    let (mut stored, mut heat) = (lift(0.0), lift(0.0));
+    let (mut stored, mut heat) = (real(0.0), real(0.0));
     for d in &w.delays {
         let wave = |back: usize| outer(s.mem[d.at(s.tick, back)]);
-        let energy = |v: Outer| v * v;
-        let mut sum = lift(0.0);
+        let energy = |v: R::Outer| v * v;
+        let mut sum = real(0.0);
         let way = if let Termination::Lossy { loss, memory } = d.end {
             let way = d.len - 3;
             let [a, b, c] = [loss.a, loss.b, loss.c];
             let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
-            let gain = a + 2.0 * b;
+            let gain = a + <R::Outer>::of(2.0) * b;
             let (newer, older) = (gain * (a + b), gain * b);
-            let taps = |u: Outer, v: Outer| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(outer(s.mem[memory])) / (1.0 - c * c);
+            let taps = |u: R::Outer, v: R::Outer| newer * energy(u) + older * energy(v);
+            sum += taps(u0, u1) + energy(outer(s.mem[memory])) / (<R::Outer>::of(1.0) - c * c);
             let out = energy(a * u1 + b * (u0 + u2));
             heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
@@ -104,8 +104,8 @@ pub fn energy(layout: &Layout, s: &State, d0: &[Real]) -> (Outer, Outer) {
         stored += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {
-        let v = 0.5 * outer(s.d[j.mat as usize] + d0[j.mat as usize]);
-        heat -= 2.0 * j.z * v * v;
+        let v = <R::Outer>::of(0.5) * outer(s.d[j.mat as usize] + d0[j.mat as usize]);
+        heat -= <R::Outer>::of(2.0) * j.z * v * v;
     }
     (stored, heat)
 }

@@ -7,6 +7,7 @@
 //! do not depend on the processor.
 
 use super::Op;
+use crate::numeric::{Precision, Real};
 use crate::op::layout::Layout;
 use crate::state::State;
 use core::marker::PhantomData;
@@ -19,8 +20,6 @@ pub struct Vectors {
     /// passes over arrays as they stand
     plain: Arch,
     /// passes whose vectors stand on cache lines
-    // none of single precision do
-    #[cfg_attr(single, expect(dead_code))]
     widest: Arch,
 }
 
@@ -50,7 +49,6 @@ impl Vectors {
     }
 
     /// Runs `call` with the vectors for arrays that stand on cache lines.
-    #[cfg(not(any(single, dual)))]
     pub(crate) fn widest<W: pulp::WithSimd>(self, call: W) -> W::Output {
         self.widest.dispatch(call)
     }
@@ -69,19 +67,19 @@ impl Default for Vectors {
 }
 
 /// The loops of a pass. Everything `run` calls must be inlined into it, or it stays narrow.
-pub trait Body {
+pub trait Body<R: Real> {
     /// Runs the pass; what is not a plain loop takes its vectors from `simd`.
-    fn run<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State);
+    fn run<S: Simd>(simd: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>);
 }
 
-struct Call<'a, B> {
-    op: &'a Op,
-    layout: &'a Layout,
-    s: &'a mut State,
+struct Call<'a, R: Real, B> {
+    op: &'a Op<R>,
+    layout: &'a Layout<R>,
+    s: &'a mut State<R>,
     body: PhantomData<B>,
 }
 
-impl<B: Body> pulp::WithSimd for Call<'_, B> {
+impl<R: Real, B: Body<R>> pulp::WithSimd for Call<'_, R, B> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
@@ -90,18 +88,18 @@ impl<B: Body> pulp::WithSimd for Call<'_, B> {
 }
 
 /// A pass whose body is `B`.
-pub fn wide<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
+pub fn wide<R: Real, B: Body<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     plain(layout, Call { op, layout, s, body: PhantomData::<B> });
 }
 
 /// Runs `call` with the vectors for arrays as they stand.
 #[inline(always)]
-pub(crate) fn plain<W: pulp::WithSimd>(layout: &Layout, call: W) -> W::Output {
+pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> W::Output {
     // a number with its derivatives is a vector of the widest
-    #[cfg(dual)]
-    return layout.vectors.widest.dispatch(call);
+    if const { matches!(R::PRECISION, Precision::Dual) } {
+        return layout.vectors.widest.dispatch(call);
+    }
     // no third width is made of a body that would not gain by it
-    #[cfg(not(dual))]
     match layout.vectors.plain {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         Arch::V3(simd) => Simd::vectorize(simd, call),
@@ -113,7 +111,6 @@ pub(crate) fn plain<W: pulp::WithSimd>(layout: &Layout, call: W) -> W::Output {
 }
 
 /// A pass whose body is `B`, over vectors that stand on cache lines or wait for roots.
-#[cfg(not(any(single, dual)))]
-pub fn widest<B: Body>(op: &Op, layout: &Layout, s: &mut State) {
+pub fn widest<B: Body<f64>>(op: &Op, layout: &Layout, s: &mut State) {
     layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

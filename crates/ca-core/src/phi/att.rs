@@ -4,7 +4,7 @@
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::numeric::{Real, Table, real};
 
@@ -52,6 +52,11 @@ crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
 /// The law of ATT.
 pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Att, 5, 0>())]
+}
+
 /// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
 pub struct Att;
 
@@ -61,7 +66,7 @@ impl Phi<5, 0> for Att {
         [k, rho * d, d, k * rho / (1.0 - rho), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[k, tip, d, fall, z]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, tip, d, fall, z]: &[R; 5], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         let r = e.abs();
         if r < tip {
             k * e + z * w
@@ -72,11 +77,11 @@ impl Phi<5, 0> for Att {
         }
     }
     #[inline(always)]
-    fn potential(&[k, tip, d, fall, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[k, tip, d, fall, _]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let r = e.abs();
-        let rest = |r: Real| 0.5 * fall * (d - r) * (d - r);
+        let rest = |r: R| R::of(0.5) * fall * (d - r) * (d - r);
         if r < tip {
-            0.5 * k * (r * r - tip * tip) - rest(tip)
+            R::of(0.5) * k * (r * r - tip * tip) - rest(tip)
         } else if r < d {
             -rest(r)
         } else {
@@ -84,7 +89,7 @@ impl Phi<5, 0> for Att {
         }
     }
     #[inline(always)]
-    fn lost(&[_, _, d, _, z]: &[Real; 5], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, _, d, _, z]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         if e[1].abs() < d { z * w * w } else { real(0.0) }
     }

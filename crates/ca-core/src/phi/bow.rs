@@ -11,7 +11,7 @@
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
 //! and "newton" are passive at any slope ([`crate::method`]). Test: B07.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, ParamBinding, Phi, lnl};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
@@ -133,6 +133,23 @@ macro_rules! methods {
             static $newton: Law = friction::alone::<$phi, _, true>(concat!($code, " newton"), $curve, &$together);
             static $together: Law = friction::together::<$phi, _>(concat!($code, " shared"), $curve);
         )*
+
+        /// The functions of its laws over `R`.
+        pub(super) fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+            let sliding = LawFns::of::<SetValued, 3, 0>();
+            let of_curves = [
+                $(
+                    ($curve.code, LawFns::of::<$phi, _, 0>()),
+                    ($secant.code, friction::alone_fns::<R, $phi, _, false>(LawFns::of::<$phi, _, 0>())),
+                    ($newton.code, friction::alone_fns::<R, $phi, _, true>(LawFns::of::<$phi, _, 0>())),
+                    ($together.code, friction::together_fns::<R, $phi, _>(LawFns::of::<$phi, _, 0>())),
+                )*
+            ];
+            of_curves.into_iter().chain([
+                (SET_VALUED.code, coulomb::fns(sliding)),
+                (SLIDING_TOGETHER.code, friction::together_fns::<R, SetValued, _>(sliding)),
+            ])
+        }
     };
 }
 
@@ -164,25 +181,28 @@ impl Phi<3, 0> for Smooth {
         [p[at::F].unwrap_or(0.0), 1.0 / (p[at::V0].unwrap_or(1.0) * tick_dt), bell]
     }
     #[inline(always)]
-    fn force(&[f, per, bell]: &[Real; 3], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[f, per, bell]: &[R; 3], _: &mut [R; 0], tables: &[Table<R>], _e: R, w: R) -> R {
         let u = w * per;
         tables.get(wide(bell) as usize).map_or(real(0.0), |t| (f * t.at(u.abs())).copysign(u))
     }
     #[inline(always)]
-    fn lost(c: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 3], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
-    fn bound(&[f, per, _]: &[f64; 3], _: &[Table]) -> Bound {
-        Bound { z: f * per * 1.648_721_270_700_128_2, curve: true, ..Bound::default() }
+    fn bound(c: &[f64; 3], tables: &[Table]) -> Bound {
+        Bound { z: Self::steep(c, tables), curve: true, ..Bound::default() }
     }
 }
 
 impl Curve<3> for Smooth {
-    fn chord(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
+    fn steep<R: Real>(&[f, per, _]: &[f64; 3], _: &[Table<R>]) -> f64 {
+        f * per * 1.648_721_270_700_128_2
+    }
+    fn chord<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
         tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.chord((w * per).abs()))
     }
-    fn slope(&[f, per, bell]: &[Real; 3], tables: &[Table], w: Real) -> Real {
+    fn slope<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
         tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.slope((w * per).abs()))
     }
 }
@@ -198,7 +218,7 @@ impl Phi<5, 0> for Piecewise {
         [f / v0, v0, fd, (f - fd) / (v1 - v0), v1]
     }
     #[inline(always)]
-    fn force(&[rise, v0, fd, fall, v1]: &[Real; 5], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[rise, v0, fd, fall, v1]: &[R; 5], _: &mut [R; 0], _: &[Table<R>], _e: R, w: R) -> R {
         let v = w.abs();
         if v < v0 {
             rise * w
@@ -209,20 +229,23 @@ impl Phi<5, 0> for Piecewise {
         }
     }
     #[inline(always)]
-    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 5], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
-    fn bound(&[rise, _, _, fall, _]: &[f64; 5], _: &[Table]) -> Bound {
-        Bound { z: rise.max(fall), curve: true, ..Bound::default() }
+    fn bound(c: &[f64; 5], tables: &[Table]) -> Bound {
+        Bound { z: Self::steep(c, tables), curve: true, ..Bound::default() }
     }
 }
 
 impl Curve<5> for Piecewise {
-    fn chord(c: &[Real; 5], tables: &[Table], w: Real) -> Real {
+    fn steep<R: Real>(&[rise, _, _, fall, _]: &[f64; 5], _: &[Table<R>]) -> f64 {
+        rise.max(fall)
+    }
+    fn chord<R: Real>(c: &[R; 5], tables: &[Table<R>], w: R) -> R {
         if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, real(0.0), w) / w }
     }
-    fn slope(&[rise, v0, _, fall, v1]: &[Real; 5], _: &[Table], w: Real) -> Real {
+    fn slope<R: Real>(&[rise, v0, _, fall, v1]: &[R; 5], _: &[Table<R>], w: R) -> R {
         let v = w.abs();
         if v < v0 {
             rise
@@ -246,24 +269,27 @@ impl Phi<3, 0> for SetValued {
         [f, p[at::FD].unwrap_or(f).min(f), p[at::V0].unwrap_or(CREEP) * tick_dt]
     }
     #[inline(always)]
-    fn force(c: &[Real; 3], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 3], _: &mut [R; 0], _: &[Table<R>], _e: R, w: R) -> R {
         coulomb::sliding(*c, w)
     }
     #[inline(always)]
-    fn lost(c: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 3], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         coulomb::sliding(*c, w) * w
     }
-    fn bound(&[f, _, v0]: &[f64; 3], _: &[Table]) -> Bound {
-        Bound { z: f / v0, curve: true, ..Bound::default() }
+    fn bound(c: &[f64; 3], tables: &[Table]) -> Bound {
+        Bound { z: Self::steep(c, tables), curve: true, ..Bound::default() }
     }
 }
 
 impl Curve<3> for SetValued {
-    fn chord(c: &[Real; 3], _: &[Table], w: Real) -> Real {
+    fn steep<R: Real>(&[f, _, v0]: &[f64; 3], _: &[Table<R>]) -> f64 {
+        f / v0
+    }
+    fn chord<R: Real>(c: &[R; 3], _: &[Table<R>], w: R) -> R {
         coulomb::chord(*c, w)
     }
-    fn slope(c: &[Real; 3], _: &[Table], w: Real) -> Real {
+    fn slope<R: Real>(c: &[R; 3], _: &[Table<R>], w: R) -> R {
         if w.abs() <= c[2] { coulomb::chord(*c, w) } else { real(0.0) }
     }
 }
@@ -277,24 +303,27 @@ impl Phi<2, 0> for Coulomb {
         [f / (p[at::V0].unwrap_or(1.0) * tick_dt), f]
     }
     #[inline(always)]
-    fn force(&[rise, f]: &[Real; 2], _: &mut [Real; 0], _: &[Table], _e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[rise, f]: &[R; 2], _: &mut [R; 0], _: &[Table<R>], _e: R, w: R) -> R {
         (rise * w).min(f).max(-f)
     }
     #[inline(always)]
-    fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 2], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
-    fn bound(&[rise, _]: &[f64; 2], _: &[Table]) -> Bound {
-        Bound { z: rise, curve: true, ..Bound::default() }
+    fn bound(c: &[f64; 2], tables: &[Table]) -> Bound {
+        Bound { z: Self::steep(c, tables), curve: true, ..Bound::default() }
     }
 }
 
 impl Curve<2> for Coulomb {
-    fn chord(&[rise, f]: &[Real; 2], _: &[Table], w: Real) -> Real {
+    fn steep<R: Real>(&[rise, _]: &[f64; 2], _: &[Table<R>]) -> f64 {
+        rise
+    }
+    fn chord<R: Real>(&[rise, f]: &[R; 2], _: &[Table<R>], w: R) -> R {
         (f / w.abs()).min(rise)
     }
-    fn slope(&[rise, f]: &[Real; 2], _: &[Table], w: Real) -> Real {
+    fn slope<R: Real>(&[rise, f]: &[R; 2], _: &[Table<R>], w: R) -> R {
         if rise * w.abs() < f { rise } else { real(0.0) }
     }
 }

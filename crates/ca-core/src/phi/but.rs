@@ -7,7 +7,7 @@
 //! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
 //! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
@@ -57,8 +57,17 @@ pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of
     ContactMethod::Stable => Some(&STABLE),
     ContactMethod::Stable3d => Some(&STABLE3D),
 });
-static STABLE: Law = gradient::law::<Linear>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
-static STABLE3D: Law = quadratised::law::<Linear>(Law::of::<But, 5, 0>("BUT stable3d"));
+static STABLE: Law = gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
+static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
+
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<But, 5, 0>()),
+        (STABLE.code, gradient::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+        (STABLE3D.code, quadratised::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+    ]
+}
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
 pub struct But;
@@ -66,8 +75,8 @@ pub struct But;
 impl Phi<5, 0> for But {
     const CONTACT: bool = true;
     #[inline(always)]
-    fn idle(&[_, _, d, side, _]: &[Real; 5]) -> (Real, Real) {
-        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
+    fn idle<R: Real>(&[_, _, d, side, _]: &[R; 5]) -> (R, R) {
+        if side > R::ZERO { (d, R::INFINITY) } else { (R::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         [
@@ -79,18 +88,18 @@ impl Phi<5, 0> for But {
         ]
     }
     #[inline(always)]
-    fn force(&[k, z, d, side, clip]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, z, d, side, clip]: &[R; 5], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         let g = e - d;
-        let f = if side * g < 0.0 { k * g + z * w } else { real(0.0) };
-        if clip != 0.0 && side * f > 0.0 { real(0.0) } else { f }
+        let f = if side * g < R::ZERO { k * g + z * w } else { real(0.0) };
+        if clip != R::ZERO && side * f > R::ZERO { real(0.0) } else { f }
     }
     #[inline(always)]
-    fn potential(&[k, _, d, side, _]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[k, _, d, side, _]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let g = e - d;
-        if side * g < 0.0 { 0.5 * k * g * g } else { real(0.0) }
+        if side * g < R::ZERO { R::of(0.5) * k * g * g } else { real(0.0) }
     }
     #[inline(always)]
-    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 5], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], real(0.0), c[2], c[3], real(0.0)], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w

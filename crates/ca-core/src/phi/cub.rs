@@ -3,7 +3,7 @@
 //! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k \[N/m\], k3 \[N/m³\] ≥ 0, z \[N s/m\]. Source: SMC 2019 (nlSpring3).
 //! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (docs/numerics.md §3.4). Test: B03.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::numeric::{Real, Table};
 
@@ -44,6 +44,11 @@ crate::kind::positions!(KIND: K = "k", K3 = "k3", Z = "z");
 /// The law of CUB.
 pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Cub, 3, 0>())]
+}
+
 /// F = k e + k3 e³ + (z/T) w
 pub struct Cub;
 
@@ -52,16 +57,16 @@ impl Phi<3, 0> for Cub {
         [p[at::K].unwrap_or(0.0), p[at::K3].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[k, k3, z]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, k3, z]: &[R; 3], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         (k + k3 * e * e) * e + z * w
     }
     #[inline(always)]
-    fn stored(&[k, k3, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        let quartic = |e: Real| 0.25 * k3 * e * e * e * e;
-        linear_stored(k, z, e0, e1) + 0.5 * (quartic(e0) + quartic(e1))
+    fn stored<R: Real>(&[k, k3, z]: &[R; 3], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
+        let quartic = |e: R| R::of(0.25) * k3 * e * e * e * e;
+        linear_stored(k, z, e0, e1) + R::of(0.5) * (quartic(e0) + quartic(e1))
     }
     #[inline(always)]
-    fn lost(&[_, _, z]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, _, z]: &[R; 3], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, _, z]: &[f64; 3], _: &[Table]) -> Bound {

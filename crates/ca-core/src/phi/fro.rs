@@ -4,7 +4,7 @@
 //! the backward difference acts as a centred damper and a negative mass −zT/2 (docs/numerics.md §1.4). Test: A04, A10.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table, real};
@@ -45,6 +45,11 @@ crate::kind::positions!(KIND: Z = "z");
 /// The law of FRO; REF without stiffness becomes this.
 pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Fro, 1, 0>())]
+}
+
 /// F = (z/T) w
 pub struct Fro;
 
@@ -59,15 +64,15 @@ impl Phi<1, 0> for Fro {
         z * w
     }
     #[inline(always)]
-    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 1], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(real(0.0), z, e0, e1)
     }
     #[inline(always)]
-    fn lost(&[z]: &[Real; 1], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[z]: &[f64; 1], _: &[Table]) -> Bound {

@@ -6,7 +6,7 @@
 //! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
 
 use super::pow::P;
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, METHOD, PAIRS, Phi, Sense};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
@@ -60,8 +60,17 @@ pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of
     ContactMethod::Stable => Some(&STABLE),
     ContactMethod::Stable3d => Some(&STABLE3D),
 });
-static STABLE: Law = gradient::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
-static STABLE3D: Law = quadratised::law::<Power>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
+static STABLE: Law = gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
+static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
+
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<Hrz, 5, 0>()),
+        (STABLE.code, gradient::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+        (STABLE3D.code, quadratised::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+    ]
+}
 
 /// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.
 pub struct Hrz;
@@ -69,8 +78,8 @@ pub struct Hrz;
 impl Phi<5, 0> for Hrz {
     const CONTACT: bool = true;
     #[inline(always)]
-    fn idle(&[_, _, _, d, side]: &[Real; 5]) -> (Real, Real) {
-        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
+    fn idle<R: Real>(&[_, _, _, d, side]: &[R; 5]) -> (R, R) {
+        if side > R::ZERO { (d, R::INFINITY) } else { (R::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 5] {
         let n = libm::round(4.0 * p[at::P].unwrap_or(1.5));
@@ -83,22 +92,22 @@ impl Phi<5, 0> for Hrz {
         ]
     }
     #[inline(always)]
-    fn force(&[k, n, h, d, side]: &[Real; 5], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, n, h, d, side]: &[R; 5], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         let eta = side * (d - e);
-        if eta > 0.0 {
-            let push = k * quarter_power(eta, n) * (1.0 - h * side * w);
-            if push > 0.0 { -side * push } else { real(0.0) }
+        if eta > R::ZERO {
+            let push = k * quarter_power(eta, n) * (R::of(1.0) - h * side * w);
+            if push > R::ZERO { -side * push } else { real(0.0) }
         } else {
             real(0.0)
         }
     }
     #[inline(always)]
-    fn potential(&[k, n, _, d, side]: &[Real; 5], _: &[Real; 0], _: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[k, n, _, d, side]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let eta = side * (d - e);
-        if eta > 0.0 { k * quarter_power(eta, n + 4.0) / (0.25 * n + 1.0) } else { real(0.0) }
+        if eta > R::ZERO { k * quarter_power(eta, n + R::of(4.0)) / (R::of(0.25) * n + R::of(1.0)) } else { real(0.0) }
     }
     #[inline(always)]
-    fn lost(c: &[Real; 5], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 5], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         let elastic = Self::force(&[c[0], c[1], real(0.0), c[3], c[4]], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w

@@ -9,7 +9,7 @@
 //! motion in the tick, what is missing is (θk + z/2T) times the change of w, which [`crate::method::implicit`] solves for
 //! all such links at once.
 
-use super::{Bound, Law, Phi, linear_lost, linear_stored};
+use super::{Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
 use crate::numeric::{Real, Table};
 use crate::tuning::Method;
@@ -46,6 +46,11 @@ pub const THETA: Param = Param::number(
 /// The law; parameters k, z and θ in this order, whatever the kind.
 pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Implicit, 3, 0>())]
+}
+
 /// Coefficients k, z/T, θ.
 pub struct Implicit;
 
@@ -56,15 +61,15 @@ impl Phi<3, 0> for Implicit {
         [at(0), at(1) / tick_dt, at(2)]
     }
     #[inline(always)]
-    fn force(&[k, z, _]: &[Real; 3], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, z, _]: &[R; 3], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         k * e + z * w
     }
     #[inline(always)]
-    fn stored(&[k, _, theta]: &[Real; 3], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        linear_stored(k, -2.0 * theta * k, e0, e1)
+    fn stored<R: Real>(&[k, _, theta]: &[R; 3], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
+        linear_stored(k, -R::of(2.0) * theta * k, e0, e1)
     }
     #[inline(always)]
-    fn lost(&[_, z, _]: &[Real; 3], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, z, _]: &[R; 3], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, z, theta]: &[f64; 3], _: &[Table]) -> Bound {

@@ -5,7 +5,7 @@
 //! Stability: rule of thumb on the steepest segment that is reached; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, ParamBinding, Phi, SOFTEN};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
 use crate::numeric::{NONE, Real, Table, real, wide};
@@ -66,6 +66,15 @@ pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 
+/// The functions of its laws over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    [
+        (LAW.code, LawFns::of::<Lnl, 3, 0>()),
+        (SPRING.code, LawFns::of::<TableSpring, 1, 0>()),
+        (FRICTION.code, LawFns::of::<TableFriction, 2, 0>()),
+    ]
+}
+
 /// F = table(e)
 pub struct TableSpring;
 
@@ -74,11 +83,11 @@ impl Phi<1, 0> for TableSpring {
         [p[at::SPRING].unwrap_or(NONE)]
     }
     #[inline(always)]
-    fn force(&[n]: &[Real; 1], _: &mut [Real; 0], tables: &[Table], e: Real, _w: Real) -> Real {
+    fn force<R: Real>(&[n]: &[R; 1], _: &mut [R; 0], tables: &[Table<R>], e: R, _w: R) -> R {
         tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(e))
     }
     #[inline(always)]
-    fn potential(&[n]: &[Real; 1], _: &[Real; 0], tables: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[n]: &[R; 1], _: &[R; 0], tables: &[Table<R>], e: R) -> R {
         tables.get(wide(n) as usize).map_or(real(0.0), |t| t.integral(e))
     }
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
@@ -100,26 +109,29 @@ impl Phi<2, 0> for TableFriction {
         [p[at::FRICTION].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
-    fn force(&[n, fs]: &[Real; 2], _: &mut [Real; 0], tables: &[Table], _e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[n, fs]: &[R; 2], _: &mut [R; 0], tables: &[Table<R>], _e: R, w: R) -> R {
         tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(w * fs))
     }
     #[inline(always)]
-    fn lost(c: &[Real; 2], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 2], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
         Self::force(c, &mut { *m }, t, e[1], w) * w
     }
     fn bound(&[n, fs]: &[f64; 2], tables: &[Table]) -> Bound {
-        let t = tables.get(n as usize);
-        let (hi, lo) = t.map_or((0.0, 0.0), Table::slopes);
-        Bound { z: hi.max(-lo) * fs, curve: true, active: t.is_some_and(|t| !t.resists()), ..Bound::default() }
+        let active = tables.get(n as usize).is_some_and(|t| !t.resists());
+        Bound { z: Self::steep(&[n, fs], tables), curve: true, active, ..Bound::default() }
     }
 }
 
 impl Curve<2> for TableFriction {
-    fn chord(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
+    fn steep<R: Real>(&[n, fs]: &[f64; 2], tables: &[Table<R>]) -> f64 {
+        let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
+        hi.max(-lo) * fs
+    }
+    fn chord<R: Real>(&[n, fs]: &[R; 2], tables: &[Table<R>], w: R) -> R {
         tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.chord(w * fs))
     }
-    fn slope(&[n, fs]: &[Real; 2], tables: &[Table], w: Real) -> Real {
+    fn slope<R: Real>(&[n, fs]: &[R; 2], tables: &[Table<R>], w: R) -> R {
         tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.slope(w * fs))
     }
 }
@@ -132,15 +144,15 @@ impl Phi<3, 0> for Lnl {
         [p[at::SPRING].unwrap_or(NONE), p[at::FRICTION].unwrap_or(NONE), 1.0 / tick_dt]
     }
     #[inline(always)]
-    fn force(&[a, b, fs]: &[Real; 3], m: &mut [Real; 0], tables: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[a, b, fs]: &[R; 3], m: &mut [R; 0], tables: &[Table<R>], e: R, w: R) -> R {
         TableSpring::force(&[a], m, tables, e, w) + TableFriction::force(&[b, fs], m, tables, e, w)
     }
     #[inline(always)]
-    fn potential(&[a, ..]: &[Real; 3], m: &[Real; 0], tables: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(&[a, ..]: &[R; 3], m: &[R; 0], tables: &[Table<R>], e: R) -> R {
         TableSpring::potential(&[a], m, tables, e)
     }
     #[inline(always)]
-    fn lost(&[_, b, fs]: &[Real; 3], m: &[Real; 0], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, b, fs]: &[R; 3], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         TableFriction::lost(&[b, fs], m, t, e)
     }
     fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {

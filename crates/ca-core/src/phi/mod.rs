@@ -4,7 +4,7 @@
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 use crate::law::{Bound, Phi};
 use crate::numeric::Real;
-use crate::op::{Law, ParamBinding};
+use crate::op::{Law, LawEntry, LawFns, Laws, ParamBinding};
 
 pub mod att;
 pub mod bow;
@@ -19,20 +19,21 @@ pub mod pow;
 pub mod ref_;
 pub mod res;
 
-/// All LIA kinds, in the order of the documentation. To add a law: one file, its `mod` above and a line here.
-pub const KINDS: &[&Kind] = &[
-    &res::KIND,
-    &fro::KIND,
-    &ref_::KIND,
-    &but::KIND,
-    &cub::KIND,
-    &pow::KIND,
-    &hrz::KIND,
-    &lnl::KIND,
-    &plk::KIND,
-    &att::KIND,
-    &bow::KIND,
-];
+/// The list of files that have a kind and a law, in the order of the documentation.
+macro_rules! files {
+    ($($file:ident)*) => {
+        /// All LIA kinds.
+        pub const KINDS: &[&Kind] = &[$(&$file::KIND),*];
+
+        /// The functions of all laws over `R`, for [`Scene::bind`](crate::Scene::bind).
+        pub fn laws<R: Real>() -> Laws<R> {
+            Laws::default()$(.with($file::laws()))*.with(implicit::laws())
+        }
+    };
+}
+
+// To add a law: one file, its `mod` above and its name here.
+files! { res fro ref_ but cub pow hrz lnl plk att bow }
 
 pub use ref_::KIND as REF;
 
@@ -120,12 +121,12 @@ pub const PAIRS: Param = Param::new(
 
 /// Energy of the linear part between two ticks, with the negative mass of the backward damper (docs/numerics.md §2.1).
 #[inline(always)]
-fn linear_stored(k: Real, z: Real, e0: Real, e1: Real) -> Real {
-    0.5 * k * e0 * e1 - 0.25 * z * (e1 - e0) * (e1 - e0)
+fn linear_stored<R: Real>(k: R, z: R, e0: R, e1: R) -> R {
+    R::of(0.5) * k * e0 * e1 - R::of(0.25) * z * (e1 - e0) * (e1 - e0)
 }
 
 /// Heat of a linear damper in one tick (docs/numerics.md §2.1); `z` in N per m/tick.
 #[inline(always)]
-fn linear_lost(z: Real, e: [Real; 3]) -> Real {
-    0.25 * z * (e[2] - e[0]) * (e[2] - e[0])
+fn linear_lost<R: Real>(z: R, e: [R; 3]) -> R {
+    R::of(0.25) * z * (e[2] - e[0]) * (e[2] - e[0])
 }

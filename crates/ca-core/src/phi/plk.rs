@@ -5,7 +5,7 @@
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
 //! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
-use super::{ALONG, BETWEEN, Bound, Law, PAIRS, Phi, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{NONE, Real, Table, real};
 
@@ -77,6 +77,11 @@ crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED 
 /// The law of PLK.
 pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Plk, 5, 3>())]
+}
+
 /// Coefficients k, z/T, d, sign of the side, 1 where it holds at load; memory: 1 while engaged, the last elongation, energy given up at the last tick.
 pub struct Plk;
 
@@ -86,38 +91,38 @@ impl Phi<5, 3> for Plk {
         let engaged = if p[at::ENGAGED] == Some(0.0) { 0.0 } else { 1.0 };
         [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE), side, engaged]
     }
-    fn start(&[_, _, d, side, engaged]: &[Real; 5], e: Real) -> [Real; 3] {
-        [if e.abs() < d && side * e >= 0.0 { engaged } else { real(0.0) }, e, real(0.0)]
+    fn start<R: Real>(&[_, _, d, side, engaged]: &[R; 5], e: R) -> [R; 3] {
+        [if e.abs() < d && side * e >= R::ZERO { engaged } else { real(0.0) }, e, real(0.0)]
     }
     #[inline(always)]
-    fn force(&[k, z, d, side, _]: &[Real; 5], mem: &mut [Real; 3], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, z, d, side, _]: &[R; 5], mem: &mut [R; 3], _: &[Table<R>], e: R, w: R) -> R {
         let [engaged, last, released] = mem;
         *released = real(0.0);
-        if *engaged != 0.0 {
+        if *engaged != R::ZERO {
             if e.abs() >= d {
                 *engaged = real(0.0);
-                *released = 0.5 * k * e * e;
-            } else if side * e < 0.0 {
+                *released = R::of(0.5) * k * e * e;
+            } else if side * e < R::ZERO {
                 // next to nothing is stored there, and what a tick leaves of it is no heat
                 *engaged = real(0.0);
             }
         } else if e.abs() < d {
             // from one sign to the other, or from nothing to the side it holds on
-            let (rises, falls) = (*last <= 0.0 && e >= 0.0, *last >= 0.0 && e <= 0.0);
-            if (rises && side >= 0.0) || (falls && side <= 0.0) {
+            let (rises, falls) = (*last <= R::ZERO && e >= R::ZERO, *last >= R::ZERO && e <= R::ZERO);
+            if (rises && side >= R::ZERO) || (falls && side <= R::ZERO) {
                 *engaged = real(1.0);
             }
         }
         *last = e;
-        if *engaged == 0.0 { real(0.0) } else { k * e + z * w }
+        if *engaged == R::ZERO { real(0.0) } else { k * e + z * w }
     }
     #[inline(always)]
-    fn stored(&[k, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e0: Real, e1: Real) -> Real {
-        if mem[0] == 0.0 { real(0.0) } else { linear_stored(k, z, e0, e1) }
+    fn stored<R: Real>(&[k, z, ..]: &[R; 5], mem: &[R; 3], _: &[Table<R>], e0: R, e1: R) -> R {
+        if mem[0] == R::ZERO { real(0.0) } else { linear_stored(k, z, e0, e1) }
     }
     #[inline(always)]
-    fn lost(&[_, z, ..]: &[Real; 5], mem: &[Real; 3], _: &[Table], e: [Real; 3]) -> Real {
-        if mem[0] == 0.0 { mem[2] } else { linear_lost(z, e) }
+    fn lost<R: Real>(&[_, z, ..]: &[R; 5], mem: &[R; 3], _: &[Table<R>], e: [R; 3]) -> R {
+        if mem[0] == R::ZERO { mem[2] } else { linear_lost(z, e) }
     }
     fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k, z, contact: true, ..Bound::default() }

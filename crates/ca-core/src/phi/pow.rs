@@ -4,7 +4,7 @@
 //! that the tick needs only products and square roots), z \[N s/m\]. Source: SMC 2019 (nlSpring2 is p = 2).
 //! Stability: rule of thumb on the tangent, as CUB. Test: conformance suite.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::numeric::{Real, Table, quarter_power};
 
@@ -48,6 +48,11 @@ crate::kind::positions!(KIND: K = "k", Q = "q", P = "p", Z = "z");
 /// The law of POW.
 pub static LAW: Law = Law::of::<Pow, 4, 0>("POW");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Pow, 4, 0>())]
+}
+
 /// F = k e + q sgn(e)|e|^(n/4) + (z/T) w; coefficients k, q, n, z/T.
 pub struct Pow;
 
@@ -57,16 +62,16 @@ impl Phi<4, 0> for Pow {
         [p[at::K].unwrap_or(0.0), p[at::Q].unwrap_or(0.0), n, p[at::Z].unwrap_or(0.0) / tick_dt]
     }
     #[inline(always)]
-    fn force(&[k, q, n, z]: &[Real; 4], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(&[k, q, n, z]: &[R; 4], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         k * e + q * quarter_power(e.abs(), n).copysign(e) + z * w
     }
     #[inline(always)]
-    fn stored(&[k, q, n, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
-        let u = |e: Real| q * quarter_power(e.abs(), n + 4.0) / (0.25 * n + 1.0);
-        linear_stored(k, z, e0, e1) + 0.5 * (u(e0) + u(e1))
+    fn stored<R: Real>(&[k, q, n, z]: &[R; 4], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
+        let u = |e: R| q * quarter_power(e.abs(), n + R::of(4.0)) / (R::of(0.25) * n + R::of(1.0));
+        linear_stored(k, z, e0, e1) + R::of(0.5) * (u(e0) + u(e1))
     }
     #[inline(always)]
-    fn lost(&[_, _, _, z]: &[Real; 4], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, _, _, z]: &[R; 4], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, q, n, z]: &[f64; 4], _: &[Table]) -> Bound {

@@ -5,7 +5,9 @@
 //! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res};
+use super::{
+    ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, fro, linear_lost, linear_stored, res,
+};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table};
@@ -55,6 +57,11 @@ pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero
 pub static ZONLY: Law =
     Law { load: |p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Ref, 2, 0>())]
+}
+
 /// F = k e + (z/T) w
 pub struct Ref;
 
@@ -69,15 +76,15 @@ impl Phi<2, 0> for Ref {
         k * e + z * w
     }
     #[inline(always)]
-    fn force(c: &[Real; 2], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 2], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[k, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[k, z]: &[R; 2], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(k, z, e0, e1)
     }
     #[inline(always)]
-    fn lost(&[_, z]: &[Real; 2], _: &[Real; 0], _: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(&[_, z]: &[R; 2], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         linear_lost(z, e)
     }
     fn bound(&[k, z]: &[f64; 2], _: &[Table]) -> Bound {

@@ -4,7 +4,7 @@
 //! Test: A01, A03, A09.
 
 use super::implicit::{METHOD, THETA};
-use super::{ALONG, BETWEEN, Bound, L0, Law, PAIRS, Phi, SOFTEN, linear_stored};
+use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
 use crate::numeric::{Real, Table, real};
@@ -47,6 +47,11 @@ crate::kind::positions!(KIND: K = "k");
 /// The law of RES; REF without viscosity becomes this.
 pub static LAW: Law = Law::of::<Res, 1, 0>("RES");
 
+/// The functions of its law over `R`.
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
+    [(LAW.code, LawFns::of::<Res, 1, 0>())]
+}
+
 /// F = k e
 pub struct Res;
 
@@ -61,11 +66,11 @@ impl Phi<1, 0> for Res {
         k * e
     }
     #[inline(always)]
-    fn force(c: &[Real; 1], _: &mut [Real; 0], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 1], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         Self::linear(c, e, w)
     }
     #[inline(always)]
-    fn stored(&[k]: &[Real; 1], _: &[Real; 0], _: &[Table], e0: Real, e1: Real) -> Real {
+    fn stored<R: Real>(&[k]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
         linear_stored(k, real(0.0), e0, e1)
     }
     fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {

@@ -53,6 +53,10 @@ pub struct Key {
     pub name: String,
     /// sum of the largest slopes of all links at it \[N/m\]; of laws that stiffen without end, the slope at rest
     pub k: f64,
+    /// sum of the viscosities of all links at it \[N s/m\], the steepest of a curve
+    pub z: f64,
+    /// friction that sticks holds it: set-valued, so that no slope is known
+    pub sticks: bool,
     /// of which modules: name and slope \[N/m\], those of a list or a set together
     pub links: Vec<(String, f64)>,
 }

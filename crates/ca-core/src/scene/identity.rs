@@ -23,14 +23,14 @@ use core::hash::Hasher as _;
 /// nothing moves at load. Takes of before 5 are begun as they were, and so play the same bits.
 pub const ARITHMETIC: u32 = 5;
 
-impl Scene {
+impl<R: Real> Scene<R> {
     /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
     pub fn same_since(&self) -> u32 {
-        let measures = |op: &Op| {
+        let measures = |op: &Op<R>| {
             let second = op.ports.onto.map(|onto| onto.0);
             op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
         };
-        if self.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)))) {
+        if self.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
             return 4;
         }
         if self.sorted {
@@ -45,7 +45,7 @@ impl Scene {
 
 impl Identity {
     /// That of the scene with these arrays, passes and state at load.
-    pub fn of(layout: &Layout, passes: [&[Op]; 4], initial: &State) -> Identity {
+    pub fn of<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
         let mut h = Words(fnv::FnvHasher::default());
         h.layout(layout);
         for list in passes {
@@ -79,7 +79,7 @@ impl Words {
     }
 
     /// A list of numbers, behind its length.
-    fn numbers<'n>(&mut self, all: impl ExactSizeIterator<Item = &'n Real>) {
+    fn numbers<'n, R: Real>(&mut self, all: impl ExactSizeIterator<Item = &'n R>) {
         self.word(all.len() as u64);
         all.for_each(|v| self.word(wide(*v).to_bits()));
     }
@@ -101,7 +101,7 @@ impl Words {
     }
 
     /// All of a layout: who adds an array to it is asked here what to do with it.
-    fn layout(&mut self, layout: &Layout) {
+    fn layout<R: Real>(&mut self, layout: &Layout<R>) {
         let Layout {
             sample_dt,
             ratio,
@@ -176,7 +176,9 @@ impl Words {
         let accounts = ledger.iter().flat_map(|l| &l.accounts);
         self.debug(&ledger.as_ref().map(|l| (l.weight, l.live)));
         self.all(
-            accounts.map(|a| (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.coefs, a.mems, (a.linear, a.live))),
+            accounts.map(|a| {
+                (a.op, a.n, a.ports, a.first, a.coef, a.mem, a.tap, a.law.coefs, a.law.mem, (a.linear, a.live))
+            }),
         );
         if let Some(group) = slow {
             self.layout(&group.layout);

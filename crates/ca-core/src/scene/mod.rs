@@ -2,11 +2,10 @@
 //!
 //! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
 
+mod bind;
 pub mod certificate;
 pub mod growth;
-mod halves;
 mod identity;
-#[cfg(not(single))]
 mod numbers;
 mod start;
 mod symbols;
@@ -15,15 +14,15 @@ use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
 use crate::live::{Controls, LivePlan};
-use crate::numeric::{inner, real};
+use crate::numeric::{Real, inner, real};
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
 use alloc::borrow::Cow;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+pub use bind::Unbound;
 use certificate::Certificate;
-pub use halves::{Half, Halves};
 pub use identity::ARITHMETIC;
 pub use start::{Order, Start, start};
 pub use symbols::{Location, Symbol, Symbols};
@@ -73,21 +72,21 @@ pub struct Coupling {
 }
 
 /// A compiled model.
-pub struct Scene {
+pub struct Scene<R: Real = f64> {
     /// sound rate \[Hz\]
     pub rate: f64,
     /// what the passes read
-    pub layout: Layout,
+    pub layout: Layout<R>,
     /// passes before the forces: ports, ledger, changes, moving points
-    pub reads: Vec<Op>,
+    pub reads: Vec<Op<R>>,
     /// passes that sum forces at the present positions, then the rows that `moves` sum (see [`Scene::fused`])
-    pub forces: Vec<Op>,
+    pub forces: Vec<Op<R>>,
     /// how many of the last of `forces` no tick runs by themselves, since a pass of `moves` sums them and integrates
     pub fused: usize,
     /// passes that write outputs
-    pub writes: Vec<Op>,
+    pub writes: Vec<Op<R>>,
     /// passes that move the MATs
-    pub moves: Vec<Op>,
+    pub moves: Vec<Op<R>>,
 
     /// indices into [`State::input`]
     pub inputs: Vec<Input>,
@@ -119,14 +118,25 @@ pub struct Scene {
     /// how long the author lets it sound \[s\], if said
     pub seconds: Option<f64>,
     /// the state at load
-    pub initial: State,
-    /// how it was made and of what, where ports are part of the start
-    pub before: Option<(Start, State)>,
+    pub initial: State<R>,
+    /// what it was made of, where ports are part of the start, or the scene is bound to another precision
+    pub before: Option<Before<R>>,
 }
 
-impl Scene {
+/// What the state at load is made of.
+#[derive(Clone)]
+pub struct Before<R: Real = f64> {
+    /// the rules of the start
+    pub start: Start,
+    /// the state as written
+    pub state: State<R>,
+    /// the passes that sum forces, in the order in which the start sums them
+    pub forces: Vec<Op<R>>,
+}
+
+impl<R: Real> Scene<R> {
     /// A state at load, the only allocation of a scene's life.
-    pub fn state(&self) -> State {
+    pub fn state(&self) -> State<R> {
         self.initial.clone()
     }
 
@@ -141,21 +151,22 @@ impl Scene {
     /// Only position ports that some link feels by the motion to come are asked for ([`crate::op::layout::Enx::implicit`]): those
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
-    pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State {
-        let Some((begin, before)) = &self.before else { return self.state() };
-        let mut s = before.clone();
+    pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State<R> {
+        let moves = self.layout.oversample() == 1 && self.layout.enx.iter().any(|p| p.implicit);
+        let Some(before) = self.before.as_ref().filter(|_| moves) else { return self.state() };
+        let mut s = before.state.clone();
         for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            s.x[p.mat as usize] = inner(x - p.rest);
+            s.x[p.mat as usize] = inner(real::<R::Outer>(x) - p.rest);
             s.d[p.mat as usize] = real(d);
         }
-        let mut s = start(&self.layout, &self.forces, *begin, s);
+        let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;
         s
     }
 
     /// The passes of [`Scene::forces`] that a tick runs by themselves.
-    pub fn summed(&self) -> &[Op] {
+    pub fn summed(&self) -> &[Op<R>] {
         &self.forces[..self.forces.len() - self.fused]
     }
 
@@ -171,7 +182,7 @@ impl Scene {
 
     /// Modules of one of its passes. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
     /// two directions.
-    pub fn modules(&self, op: &Op) -> usize {
+    pub fn modules(&self, op: &Op<R>) -> usize {
         if op.law.is_none() || op.form.stride == 0 {
             return op.n;
         }
@@ -200,7 +211,7 @@ impl Scene {
 
     /// Name of the link with this number in the ledger.
     pub fn audited_name(&self, link: usize) -> Option<Cow<'static, str>> {
-        let of = |a: &&Account| (a.first..a.first + a.n).contains(&link);
+        let of = |a: &&Account<R>| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
         Some(self.lia_name(account.op, link - account.first))
     }
@@ -217,7 +228,7 @@ impl Scene {
 
     /// The live parameters, to be played.
     pub fn controls(&self) -> Controls {
-        Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample())))
+        Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample()))).over::<R>()
     }
 
     /// Name of a link by op and position.
@@ -227,14 +238,14 @@ impl Scene {
 }
 
 /// A scene reads as its layout, with names added: `scene.n_mat`, `scene.sample_dt`.
-impl core::ops::Deref for Scene {
-    type Target = Layout;
-    fn deref(&self) -> &Layout {
+impl<R: Real> core::ops::Deref for Scene<R> {
+    type Target = Layout<R>;
+    fn deref(&self) -> &Layout<R> {
         &self.layout
     }
 }
 
-impl core::fmt::Debug for Scene {
+impl<R: Real> core::fmt::Debug for Scene<R> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.mats(), self.lias(), self.forces.len(), self.rate)
     }

@@ -5,19 +5,19 @@
 //! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
 //! runs, and has to be the same in all of them: [`Scene::structure`].
 
-use crate::numeric::{Real, lift, real};
+use crate::numeric::{Real, real};
 use crate::op::layout::{Layout, Termination};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
 
-impl Scene {
+impl<R: Real<Outer = R>> Scene<R> {
     /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
     /// gesture rate, and of device ports.
-    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut Real)) {
+    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
         layout(&mut self.layout, visit);
         state(&mut self.initial, visit);
-        if let Some((_, before)) = &mut self.before {
-            state(before, visit);
+        if let Some(before) = &mut self.before {
+            state(&mut before.state, visit);
         }
     }
 
@@ -28,7 +28,7 @@ impl Scene {
     }
 }
 
-fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
+fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mut R)) {
     // who adds an array to it is asked here what to do with it
     let Layout {
         reach,
@@ -111,12 +111,12 @@ fn layout(layout: &mut Layout, visit: &mut impl FnMut(&mut Real)) {
 
 /// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative. Forces at load are those that the
 /// start of mi.lib leaves to the first tick, which the ledger knows too.
-fn state(s: &mut State, visit: &mut impl FnMut(&mut Real)) {
+fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
     for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.lengths] {
         all.iter_mut().for_each(&mut *visit);
     }
     s.mem.iter_mut().for_each(&mut *visit);
     s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
     s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
-    s.output.fill(lift(0.0));
+    s.output.fill(real(0.0));
 }

@@ -3,7 +3,7 @@
 use crate::numeric::{Real, real};
 use crate::op::layout::Layout;
 use crate::op::links::measure;
-use crate::op::{Op, pass};
+use crate::op::{Op, Pass, pass};
 use crate::state::State;
 use alloc::vec::Vec;
 
@@ -32,12 +32,17 @@ pub struct Start {
 ///
 /// Decides for what the scheme itself makes of the forces, implicit parts included: from rest the tick before is then the
 /// mirror of the tick after, whatever the order.
-pub fn start(layout: &Layout, forces: &[Op], Start { order, sticks }: Start, mut s: State) -> State {
+pub fn start<R: Real>(
+    layout: &Layout<R>,
+    forces: &[Op<R>],
+    Start { order, sticks }: Start,
+    mut s: State<R>,
+) -> State<R> {
     let n = layout.n_mat;
     let exact = order == Order::Exact;
-    let memory = |s: &mut State| {
+    let memory = |s: &mut State<R>| {
         for op in forces {
-            let Some(law) = op.law.filter(|l| l.mem > 0) else { continue };
+            let Some((law, fns)) = op.law.zip(op.fns).filter(|(l, _)| l.mem > 0) else { continue };
             for i in 0..op.n {
                 // of what began as sliding the ends are taken to move
                 let (mut e, mut w) = (layout.e0[op.first + i], real(if sticks { 0.0 } else { 1.0 }));
@@ -45,34 +50,34 @@ pub fn start(layout: &Layout, forces: &[Op], Start { order, sticks }: Start, mut
                     let measured = measure::measure(measure, &s.x, &s.d, ends, &reach);
                     (e, w) = (e + measured.e, w + measured.w);
                 }
-                let c: Vec<Real> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
-                (law.start)(&c, [e, w], &mut s.mem[op.mem + i * law.mem..][..law.mem]);
+                let c: Vec<R> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
+                (fns.start)(&c, [e, w], &mut s.mem[op.mem + i * law.mem..][..law.mem]);
             }
         }
     };
     for (k, p) in layout.moving_points.iter().enumerate() {
         s.cells[k] = pass::cell(layout, &s, p);
     }
-    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
-    let project = Op::pass("points", pass::project, layout.moving_points.len());
+    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.modal.len()), layout, &mut s);
+    let project = Op::new(Pass::Points, pass::project, layout.moving_points.len());
     pass::project(&project, layout, &mut s);
     memory(&mut s);
-    let counts = |op: &&Op| !exact && !matches!(op.name, "TGR out" | "ledger of the border" | "TGR mute" | "ENF");
+    let counts = |op: &&Op<R>| !exact && !matches!(op.name, "TGR out" | "ledger of the border" | "TGR mute" | "ENF");
     // the change of motion that a tick makes of a state
-    let change = |s: &State| -> Vec<Real> {
+    let change = |s: &State<R>| -> Vec<R> {
         let mut trial = s.clone();
         for op in forces.iter().filter(counts) {
             (op.kernel)(op, layout, &mut trial);
         }
         let of = |i: usize| {
             let (p, q, c) = (s.coef[i], s.coef[n + i], s.coef[2 * n + i]);
-            c * trial.f[i] + q * s.x[i] - (1.0 - p) * s.d[i]
+            c * trial.f[i] + q * s.x[i] - (R::of(1.0) - p) * s.d[i]
         };
         (0..n).map(of).collect()
     };
     let more = (order == Order::Fourth).then(|| {
         // half a tick of the motion each way, without that which dampers feel
-        let [ahead, behind] = [0.5, -0.5].map(|share| {
+        let [ahead, behind] = [R::of(0.5), -R::of(0.5)].map(|share| {
             let mut at = s.clone();
             for (x, d) in at.x.iter_mut().zip(&mut at.d) {
                 *x += share * *d;
@@ -80,19 +85,19 @@ pub fn start(layout: &Layout, forces: &[Op], Start { order, sticks }: Start, mut
             }
             change(&at)
         });
-        ahead.into_iter().zip(behind).map(|(a, b)| (a - b) / 6.0).collect::<Vec<Real>>()
+        ahead.into_iter().zip(behind).map(|(a, b)| (a - b) / R::of(6.0)).collect::<Vec<R>>()
     });
     let second = change(&s);
     let moved = |i: usize| layout.enx.iter().any(|p| p.implicit && p.mat as usize == i);
     for i in 0..n {
-        if s.coef[2 * n + i] == 0.0 {
+        if s.coef[2 * n + i] == R::ZERO {
             s.d[i] = if moved(i) { s.d[i] } else { real(0.0) };
         } else if !exact {
-            s.d[i] -= 0.5 * second[i];
+            s.d[i] -= R::of(0.5) * second[i];
             s.d[i] += more.as_ref().map_or(real(0.0), |m| m[i]);
         }
     }
-    pass::sum(&Op::pass("modal ports", pass::sum, layout.modal.len()), layout, &mut s);
+    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.modal.len()), layout, &mut s);
     pass::project(&project, layout, &mut s);
     s
 }

@@ -9,59 +9,59 @@ use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct ActiveContact {
+pub(crate) struct ActiveContact<R: Real = f64> {
     /// first slot of either end
     pub ends: [u32; 2],
     /// axes of an end: 1 on a line, 3 in space
     pub axes: usize,
     /// gradient of the penetration against the second end; its negative against the first
-    pub g: [Real; 3],
+    pub g: [R; 3],
     /// its memory
     pub mem: usize,
     /// where its force is heard, if it is
     pub tap: Option<usize>,
     /// sign that turns its push into the tension of a link
-    pub side: Real,
+    pub side: R,
     /// may only push
     pub clip: bool,
     /// lets go: is not pressed together any more, but still holds energy
     pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
-    pub gamma: Real,
+    pub gamma: R,
     /// ψ before the tick \[√J\]; the energy stored is ψ²/2
-    pub psi: Real,
+    pub psi: R,
     /// viscosity \[N per m/tick\]
-    pub z: Real,
+    pub z: R,
     /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
-    pub stiff: Real,
+    pub stiff: R,
     /// the change of penetration over two ticks that all other forces would cause \[m\]
-    pub free: Real,
+    pub free: R,
     /// diagonal of the system \[m/N\]
-    pub diag: Real,
+    pub diag: R,
     /// push beyond γψ \[N\]: the unknown
-    pub y: Real,
+    pub y: R,
     /// residual \[m\]
-    pub r: Real,
+    pub r: R,
     /// direction of search \[N\]
-    pub p: Real,
+    pub p: R,
     /// what the system makes of the direction \[m\]
-    pub q: Real,
+    pub q: R,
 }
 
 /// The contacts of this tick.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ActiveContacts {
+pub struct ActiveContacts<R: Real = f64> {
     /// how many act so far
     pub(crate) n: usize,
     /// the first `n` of them act (as long as there are contacts that may)
-    pub(crate) list: Vec<ActiveContact>,
+    pub(crate) list: Vec<ActiveContact<R>>,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
-    pub(crate) push: Vec<Real>,
+    pub(crate) push: Vec<R>,
 }
 
-impl ActiveContacts {
+impl<R: Real> ActiveContacts<R> {
     /// Room for `contacts` among `places`.
-    pub fn new(contacts: usize, places: usize) -> ActiveContacts {
+    pub fn new(contacts: usize, places: usize) -> ActiveContacts<R> {
         let places = if contacts == 0 { 0 } else { places };
         ActiveContacts {
             n: 0,

@@ -6,30 +6,27 @@
 
 pub(crate) mod active_contacts;
 pub(crate) mod ledger;
-// what is kept has no derivatives
-#[cfg(not(dual))]
 mod snapshot;
 
 use crate::numeric::words::word;
-use crate::numeric::{Aligned, Outer, Real, VerletList, real, wide};
+use crate::numeric::{Aligned, Real, VerletList, real, wide};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
 pub use ledger::{Balance, Exchange, Ledger};
-#[cfg(not(dual))]
 pub use snapshot::{NotRestored, SNAPSHOT_VERSION, checksum};
 
 /// Nodes and weights under a moving point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cell {
+pub struct Cell<R: Real = f64> {
     /// how many of the four are used: 2 on a string, 4 on a mesh
     pub n: usize,
     /// places among the MATs
     pub node: [u32; 4],
     /// weights, which sum to 1
-    pub weight: [Real; 4],
+    pub weight: [R; 4],
 }
 
 /// One device degree of freedom.
@@ -72,10 +69,10 @@ pub struct Unknown {
 
 /// The groups at the gesture rate.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SlowState {
+pub struct SlowState<R: Real = f64> {
     /// their own state, whose tick is a frame: positions are those half a frame after the one just played, `d` the motion
     /// since half a frame before
-    pub state: State,
+    pub state: State<R>,
     /// as [`SlowGroup::ports`](crate::op::layout::SlowGroup::ports)
     pub ports: Vec<Between>,
     /// of those that links across hold, where the border is compensated (coupled, or none)
@@ -84,9 +81,9 @@ pub struct SlowState {
     pub(crate) free: Vec<f64>,
 }
 
-impl SlowState {
+impl<R: Real> SlowState<R> {
     /// At load: `state` as it begins, so many `ports`, so many of them `coupled`, by a border that is `compensated` or exact.
-    pub fn new(state: State, ports: usize, coupled: usize, compensated: bool) -> SlowState {
+    pub fn new(state: State<R>, ports: usize, coupled: usize, compensated: bool) -> SlowState<R> {
         let unknown = if compensated { coupled } else { 0 };
         SlowState {
             state,
@@ -99,12 +96,12 @@ impl SlowState {
 
 /// Coefficients on their way (live coefficients each).
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ramps {
+pub struct Ramps<R: Real = f64> {
     /// the coefficients
     pub(crate) index: Vec<u32>,
     pub(crate) left: Vec<u32>,
-    pub(crate) step: Vec<Real>,
-    pub(crate) target: Vec<Real>,
+    pub(crate) step: Vec<R>,
+    pub(crate) target: Vec<R>,
     /// those with ticks left: the first `moving` entries (as long as the others, so that a clone has room too)
     pub(crate) active: Vec<u32>,
     pub(crate) moving: usize,
@@ -112,9 +109,9 @@ pub struct Ramps {
     pub(crate) whole: u32,
 }
 
-impl Ramps {
+impl<R: Real> Ramps<R> {
     /// Room for the live coefficients at these indices into [`State::coef`], those from `whole` on never half-way.
-    pub fn new(index: Vec<u32>, whole: u32) -> Ramps {
+    pub fn new(index: Vec<u32>, whole: u32) -> Ramps<R> {
         let n = index.len();
         Ramps {
             index,
@@ -159,73 +156,73 @@ impl Fold {
 pub struct Identity(pub(crate) u64);
 
 /// A length that nobody keeps yet, in [`State::lengths`].
-pub const UNKNOWN: Real = real(-1.0);
+pub const UNKNOWN: f64 = -1.0;
 
 /// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
 /// named. Values may be written from outside, lengths of arrays may not: a tick relies on them. Who writes places or motion of
 /// points in space while a state plays calls [`State::placed`].
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct State {
+pub struct State<R: Real = f64> {
     /// the scene it belongs to; written at load
     pub scene: Identity,
     /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
-    pub x: Aligned,
+    pub x: Aligned<R>,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
-    pub d: Aligned,
+    pub d: Aligned<R>,
     /// summed force \[N\] (n_mat), without that of rows that `moves` sum; written by `forces`, cleared by `moves`
-    pub f: Aligned,
+    pub f: Aligned<R>,
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
-    pub coef: Aligned,
+    pub coef: Aligned<R>,
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
-    pub mem: Vec<Real>,
+    pub mem: Vec<R>,
     /// distances of points in space one tick before, of ports that are measured in every tick \[m\], as
     /// [`Layout::reach`](crate::op::layout::Layout::reach); −1 where none is known, and motion has to say it; written by `forces`
-    pub lengths: Aligned,
+    pub lengths: Aligned<R>,
     /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
-    pub tap: Aligned,
+    pub tap: Aligned<R>,
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
     /// the last good value of each input (inputs); written by `reads`
     pub last_input: Vec<f64>,
     /// what is heard (n_out); written by `writes`
-    pub output: Vec<Outer>,
+    pub output: Vec<R::Outer>,
     /// cells of the moving points (moving_points); written by `aim`
-    pub cells: Vec<Cell>,
+    pub cells: Vec<Cell<R>>,
     /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future
     pub near: Vec<VerletList>,
     /// groups at the gesture rate; boxed, since a pass takes it out for the time it writes it
-    pub slow: Option<Box<SlowState>>,
+    pub slow: Option<Box<SlowState<R>>>,
     /// device ports (tgr); written by the border
     pub border: Vec<Border>,
     /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
     pub late: Vec<f64>,
     /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
-    pub blocked: Vec<[Real; 2]>,
+    pub blocked: Vec<[R; 2]>,
     /// inputs that are given once a sample, where that has several ticks: the last and the present value (inputs);
     /// written by `reads`
     pub glide: Vec<[f64; 2]>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
-    pub lowpass: Vec<Real>,
+    pub lowpass: Vec<R>,
     /// in passing, of implicit links: changes of motion \[m/tick²\] (places), then what MATs add to them by
     /// themselves \[N\] (places); written by `forces`
-    pub implicit: Vec<Real>,
+    pub implicit: Vec<R>,
     /// contacts that are solved together; empty between ticks, written by `forces`
-    pub touches: ActiveContacts,
+    pub touches: ActiveContacts<R>,
     /// coefficients on their way to a new value
-    pub ramps: Ramps,
+    pub ramps: Ramps<R>,
     /// indices into `x` and `d`, and into `coef`, in the order of the document, where rows stand otherwise; else empty;
     /// written at load
     pub written: [Arc<[u32]>; 2],
     /// energy ledger, where the scene keeps one; boxed, since a pass takes it out for the time it writes it
-    pub ledger: Option<Box<Ledger>>,
+    pub ledger: Option<Box<Ledger<R>>>,
     /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
     pub tick: u64,
     /// inputs that were not finite and were held or zeroed instead
     pub refused: u64,
 }
 
-impl State {
+impl<R: Real> State<R> {
     /// How many numbers say where masses are, and how many are coefficients: those of the document, wherever rows stand.
     pub fn shape(&self) -> [usize; 2] {
         let [slots, coefs] = &self.written;
@@ -240,7 +237,7 @@ impl State {
         let mut h = fnv::FnvHasher::default();
         let [slots, coefs] = &self.written;
         for (all, order) in [(&self.x, slots), (&self.d, slots), (&self.coef, coefs)] {
-            let mut each = |v: &Real| word(&mut h, wide(*v).to_bits());
+            let mut each = |v: &R| word(&mut h, wide(*v).to_bits());
             if order.is_empty() {
                 all.iter().for_each(&mut each);
             } else {
@@ -250,7 +247,7 @@ impl State {
         let flat = self.mem.iter().map(|v| wide(*v));
         let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
         // those that are not known decide nothing
-        let lengths = self.lengths.iter().filter(|l| **l != UNKNOWN).map(|l| wide(*l));
+        let lengths = self.lengths.iter().filter(|l| **l != R::of(UNKNOWN)).map(|l| wide(*l));
         for v in flat
             .chain(self.late.iter().copied())
             .chain(filters)
@@ -278,19 +275,19 @@ impl State {
     /// Places or motion were written from outside: what distances were one tick before follows from these again, and not from
     /// where points were then, which would be a blow.
     pub fn placed(&mut self) {
-        self.lengths.fill(UNKNOWN);
+        self.lengths.fill(R::of(UNKNOWN));
     }
 
     /// True while every position and motion is finite and below `limit` \[m\].
     pub fn is_bounded(&self, limit: f64) -> bool {
         // a look at each number by itself takes as long as a tick; a block at a time is a loop of vectors
-        let within = |block: &[Real]| block.iter().fold(true, |all, v| all & (wide(v.abs()) < limit));
+        let within = |block: &[R]| block.iter().fold(true, |all, v| all & (wide(v.abs()) < limit));
         self.x.chunks(64).chain(self.d.chunks(64)).all(within)
     }
 
     /// The MAT with the largest displacement, or the first that is not finite.
     pub fn furthest(&self) -> usize {
-        let size = |i: &usize| if self.x[*i].is_nan() { Real::INFINITY } else { self.x[*i].abs() };
+        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { wide(self.x[*i].abs()) };
         (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 

@@ -9,7 +9,6 @@
 //! passing.
 
 use super::{Balance, Between, Border, Cell, Exchange, Ledger, Ramps, SlowState, State, Unknown};
-use crate::numeric::{Real, real, wide};
 use alloc::vec::Vec;
 use core::fmt;
 use core::hash::Hasher as _;
@@ -145,10 +144,9 @@ impl State {
             refused,
         } = self;
         for all in [x, d, f, coef, lengths, tap] {
-            w.reals(all);
+            w.doubles(all);
         }
-        w.reals(mem);
-        for all in [input, last_input, output, late] {
+        for all in [mem, input, last_input, output, late] {
             w.doubles(all);
         }
         for Cell { n, node, weight } in cells {
@@ -156,14 +154,14 @@ impl State {
             w.counts(core::slice::from_mut(&mut count));
             *n = count as usize;
             w.counts(node);
-            w.reals(weight);
+            w.doubles(weight);
         }
         for Border { from, to, sum, force } in border {
             w.each_of([from, to, sum, force]);
         }
-        w.reals(blocked.as_flattened_mut());
+        w.doubles(blocked.as_flattened_mut());
         w.doubles(glide.as_flattened_mut());
-        w.reals(lowpass);
+        w.doubles(lowpass);
         ramps.each(w);
         w.word(tick);
         w.word(refused);
@@ -194,8 +192,8 @@ impl Ramps {
     fn each(&mut self, w: &mut impl Words) {
         let Ramps { index: _, left, step, target, active, moving, whole: _ } = self;
         w.counts(left);
-        w.reals(step);
-        w.reals(target);
+        w.doubles(step);
+        w.doubles(target);
         w.counts(active);
         let mut count = *moving as u64;
         w.word(&mut count);
@@ -237,6 +235,7 @@ impl Ledger {
             worst,
             d0,
             heat,
+            net_heat,
             made,
             port,
             stored,
@@ -263,6 +262,7 @@ impl Ledger {
             changed,
             worst,
             heat,
+            net_heat,
             made,
             stored_mats,
         ]);
@@ -274,9 +274,9 @@ impl Ledger {
         for Exchange { received, given, hand, last, held, sum } in hands {
             w.each_of([received, given, hand, last, held, sum]);
         }
-        w.reals(d0);
-        w.reals(points.as_flattened_mut());
-        w.reals(kick);
+        w.doubles(d0);
+        w.doubles(points.as_flattened_mut());
+        w.doubles(kick);
         for flag in [begun, turning] {
             let mut word = u64::from(*flag);
             w.word(&mut word);
@@ -304,14 +304,6 @@ trait Words {
     fn doubles(&mut self, all: &mut [f64]) {
         for v in all {
             self.double(v);
-        }
-    }
-
-    fn reals(&mut self, all: &mut [Real]) {
-        for v in all {
-            let mut number = wide(*v);
-            self.double(&mut number);
-            *v = real(number);
         }
     }
 

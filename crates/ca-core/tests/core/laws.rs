@@ -4,7 +4,7 @@
 use crate::numbers;
 use ca_core::kind::{Kind, Need, Role, Type};
 use ca_core::numeric::Table;
-use ca_core::op::{Law, ParamBinding};
+use ca_core::op::{Law, ParamBinding, SolveStage};
 
 const DT: f64 = 1.0 / 48_000.0;
 
@@ -72,9 +72,9 @@ fn force_is_the_slope_of_the_stored_energy() {
         let h = 1e-6;
         for i in -40..40 {
             let e = 0.011 * f64::from(i) + 0.0037;
-            let stored = |e: f64| (law.energies.stored)(c, &[], tables, e, e);
+            let stored = |e: f64| (law.fns.energies.stored)(c, &[], tables, e, e);
             let slope = (stored(e + h) - stored(e - h)) / (2.0 * h);
-            let force = (law.force)(c, &mut [], tables, e, 0.0);
+            let force = (law.fns.force)(c, &mut [], tables, e, 0.0);
             let scale = force.abs().max(slope.abs()).max(1.0);
             assert!((force - slope).abs() < 1e-4 * scale, "{} at {e}: force {force}, slope {slope}", kind.code);
             checked += 1;
@@ -89,8 +89,8 @@ fn what_hangs_on_motion_only_resists() {
         for (i, w) in (-20..20).flat_map(|i| [-1e-4, -1e-6, 1e-6, 1e-4].map(|w| (i, w))) {
             let e = 0.021 * f64::from(i) + 0.0037;
             let mut mem = law.started(c, e);
-            let still = (law.force)(c, &mut mem.clone(), tables, e, 0.0);
-            let moving = (law.force)(c, &mut mem, tables, e, w);
+            let still = (law.fns.force)(c, &mut mem.clone(), tables, e, 0.0);
+            let moving = (law.fns.force)(c, &mut mem, tables, e, w);
             // F > 0 pulls together, and w > 0 goes apart
             assert!((moving - still) * w >= 0.0, "{} at {e}, {w}: {still} to {moving}", kind.code);
         }
@@ -101,7 +101,7 @@ fn what_hangs_on_motion_only_resists() {
 fn a_contact_is_silent_where_it_says_so() {
     let mut contacts = 0;
     each(|kind, law, _, c, tables| {
-        let (from, to) = (law.idle)(c);
+        let (from, to) = (law.fns.idle)(c);
         if !law.contact {
             assert!(from > to, "{} is no contact and idles from {from} to {to}", kind.code);
             return;
@@ -109,7 +109,7 @@ fn a_contact_is_silent_where_it_says_so() {
         contacts += 1;
         for i in -50..50 {
             let e = 0.01 * f64::from(i) + 0.0013;
-            let force = (law.force)(c, &mut [], tables, e, 1e-5);
+            let force = (law.fns.force)(c, &mut [], tables, e, 1e-5);
             assert_eq!(force != 0.0, !(from..=to).contains(&e), "{} at {e}: {force} N", kind.code);
         }
     });
@@ -126,7 +126,7 @@ fn slopes_are_within_the_bound() {
         let h = 1e-7;
         for i in -40..40 {
             let e = 0.011 * f64::from(i) + 0.0037;
-            let at = |e: f64, w: f64| (law.force)(c, &mut [], tables, e, w);
+            let at = |e: f64, w: f64| (law.fns.force)(c, &mut [], tables, e, w);
             let (k, z) = ((at(e + h, 0.0) - at(e - h, 0.0)) / (2.0 * h), at(e, h) / h - at(e, 0.0) / h);
             let room = 1e-4 * (1.0 + b.k.abs() + b.z.abs());
             assert!(k <= b.k + room, "{} at {e}: k {k} above {}", kind.code, b.k);
@@ -152,12 +152,54 @@ fn a_cheaper_law_is_the_same_law() {
             let (c, s) = (law.loaded(&values, DT), simple.loaded(&values, DT));
             for i in -10..10 {
                 let (e, w) = (0.02 * f64::from(i) + 0.003, 1e-5 * f64::from(i % 3));
-                let was = (law.force)(&c, &mut law.started(&c, e), tables, e, w);
-                let is = (simple.force)(&s, &mut simple.started(&s, e), tables, e, w);
+                let was = (law.fns.force)(&c, &mut law.started(&c, e), tables, e, w);
+                let is = (simple.fns.force)(&s, &mut simple.started(&s, e), tables, e, w);
                 assert!((was - is).abs() <= 1e-12 * was.abs(), "{} as {}: {was} and {is}", kind.code, simple.code);
             }
             cheaper += 1;
         }
     });
     assert!(cheaper >= 20, "{cheaper}");
+}
+
+/// Each law, and each that takes its place by a choice, a missing table or a shared mass, has functions that a scene is bound to,
+/// and their force is that of the law.
+#[test]
+fn functions_of_every_law_are_found_by_its_code() {
+    let laws = ca_core::phi::laws::<f64>();
+    let mut met = std::collections::BTreeSet::new();
+    let mut check = |law: &Law| {
+        let fns = laws.get(law).unwrap_or_else(|| panic!("no functions of `{}`", law.code));
+        let c = vec![0.25; law.coefs];
+        let force = |f: ca_core::law::Force| f(&c, &mut vec![0.0; law.mem], &[], -0.125, 0.5).to_bits();
+        assert_eq!(force(fns.force), force(law.fns.force), "{}", law.code);
+        met.insert(law.code);
+    };
+    for kind in ca_core::phi::KINDS {
+        let Role::Lia(law) = kind.role else { continue };
+        for (a, b) in (0..16).map(|i| (i / 4, i % 4)) {
+            let mut words = [a, b].into_iter().cycle();
+            let choice = |p: &ca_core::kind::Param| match p.ty {
+                Type::Choice(w) if p.name == "curve" || p.name == "method" => {
+                    ParamBinding::At(f64::from(words.next().unwrap_or(0).min(w.len() as u32 - 1)))
+                }
+                Type::Points { .. } if (a + b) % 2 == 0 && p.name == "spring" => ParamBinding::Live,
+                Type::Points { .. } if a > 1 => ParamBinding::Live,
+                _ => ParamBinding::Absent,
+            };
+            let p: Vec<ParamBinding> = kind.params.iter().map(choice).collect();
+            let mut law = law;
+            check(law);
+            while let Some(simpler) = (law.simpler)(&p) {
+                law = simpler;
+                check(law);
+            }
+            while let SolveStage::Single(other) = law.stage {
+                law = other;
+                check(law);
+            }
+        }
+    }
+    check(&ca_core::phi::implicit::LAW);
+    assert!(met.len() > 30, "{met:?}");
 }

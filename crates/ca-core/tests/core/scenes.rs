@@ -6,7 +6,7 @@ use ca_core::kind::Role;
 use ca_core::live::LivePlan;
 use ca_core::numeric::Aligned;
 use ca_core::op::layout::{Enf, Enx, Layout, Output, Tap};
-use ca_core::op::{Form, Law, Op, pass};
+use ca_core::op::{Form, Law, Op, Pass};
 use ca_core::scene::certificate::Certificate;
 use ca_core::scene::{Input, InputRole, Symbols};
 use ca_core::{Scene, State, integrate, process, tick};
@@ -32,8 +32,8 @@ impl Row {
         let coef = (0..3).flat_map(|k| mats.iter().map(move |m| m[k])).collect();
         let zeros = || Aligned::zeros(n);
         let state = State { x: zeros(), d: zeros(), f: zeros(), coef, ..State::default() };
-        let own = Op::pass("integrate CEL", pass::integrate_full, n);
-        let moves = vec![own, Op::pass("flush", pass::flush, n)];
+        let own = Op::pass(Pass::IntegrateFull, n);
+        let moves = vec![own, Op::pass(Pass::Flush, n)];
         Row { layout, state, reads: Vec::new(), forces: Vec::new(), moves, inputs: Vec::new() }
     }
 
@@ -41,8 +41,7 @@ impl Row {
     fn join(mut self, law: &'static Law, coefs: &[Vec<f64>], row: bool) -> Row {
         let (n, l) = (coefs.len(), &mut self.layout);
         let form = Form { stride: usize::from(row), ..Form::default() };
-        let mut op =
-            Op { law: Some(law), form, coef: self.state.coef.len(), ..Op::pass(law.code, (law.kernel)(form), n) };
+        let mut op = Op { coef: self.state.coef.len(), ..Op::links(law, law.fns, form, n) };
         op.first = l.ends.len();
         l.ends.extend((0..n as u32).map(|i| [i, i + 1]));
         l.n_lia += n;
@@ -62,7 +61,7 @@ impl Row {
         let channel = self.layout.outputs.len() as u32;
         self.layout.outputs.push(Output { tap: Tap::Position(mat), channel });
         (self.layout.channels, self.layout.n_out) = (1, 1);
-        let op = Op { coef: self.state.coef.len(), ..Op::pass("outputs", pass::outputs, 1) };
+        let op = Op { coef: self.state.coef.len(), ..Op::pass(Pass::Outputs, 1) };
         self.more([1.0]);
         self.state.output.push(0.0);
         self.layout.n_coef = self.state.coef.len();
@@ -185,9 +184,9 @@ fn inputs_that_are_not_finite_are_refused() {
     row.layout.enf = vec![Enf { input: 1, mat: 1 }];
     row.inputs = vec![input("bow", InputRole::Position), input("push", InputRole::Force)];
     row.state.input = vec![0.0; 2];
-    row.reads = vec![Op::pass("enx", pass::enx, 1), Op::pass("enf", pass::enf::<true>, 1)];
+    row.reads = vec![Op::pass(Pass::Enx, 1), Op::pass(Pass::Enf { counted: true }, 1)];
     // a port is moved by what it is given alone
-    row.moves = vec![Op { mat: 1, ..Op::pass("integrate MAS", pass::integrate_free, 1) }];
+    row.moves = vec![Op { mat: 1, ..Op::pass(Pass::IntegrateFree, 1) }];
     let (scene, mut s) = row.hear(1);
     s.input = vec![0.25, 2.0];
     tick(&scene, &mut s);

@@ -4,13 +4,12 @@
 //! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
 //! dual numbers too; a system of its derivatives would have to be kept in step with that of the tick.
 
-use ca_core::Scene;
-use ca_core::op::{MeasureKind, Op, SolveStage};
-use ca_core_dual::State;
-use ca_core_dual::numeric::{Aligned, Dual, TANGENTS};
-use ca_core_dual::op::layout::Layout;
-use ca_core_dual::op::{self as dual_op, Form};
-use ca_core_dual::state::ActiveContacts;
+use ca_core::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
+use ca_core::{Scene, State};
+
+use ca_core::numeric::{Aligned, Dual, TANGENTS};
+use ca_core::op::layout::Layout;
+use ca_core::state::ActiveContacts;
 use std::ops::Range;
 
 /// A port of a link.
@@ -141,11 +140,11 @@ pub struct Alone {
     /// what they read
     pub shape: Shape,
     /// its pass; of those that are solved together each, then the one that solves
-    ops: Vec<dual_op::Op>,
+    ops: Vec<Op<Dual>>,
     /// a dipole on a line whose force is that of its law
     direct: bool,
-    layout: Layout,
-    s: State,
+    layout: Layout<Dual>,
+    s: State<Dual>,
     /// what the link at hand reads
     pub given: Vec<f64>,
     /// the derivatives of each of it
@@ -170,7 +169,7 @@ pub struct LinkAdjoints<'a> {
 
 impl Alone {
     /// The links of a pass, whose law is one of the `dual` scene; `None` where that has none such.
-    pub fn new(op: &Op, dual: &ca_core_dual::Scene) -> Option<Alone> {
+    pub fn new(op: &Op, dual: &Scene<Dual>) -> Option<Alone> {
         let shape = Shape::of(op)?;
         let ends = |p: &Port| [p.first as u32, (p.first + p.axes) as u32];
         let (own, onto) = (vec![ends(&shape.ports[0])], shape.ports[1..].iter().map(ends).collect());
@@ -178,30 +177,25 @@ impl Alone {
     }
 
     /// Links that are solved together, one of each of these passes, with the first slots of their `ends` among so many.
-    pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &ca_core_dual::Scene) -> Option<Alone> {
+    pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &Scene<Dual>) -> Option<Alone> {
         Alone::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
     }
 
-    fn of(
-        shape: Shape,
-        ops: &[&Op],
-        ends: Vec<[u32; 2]>,
-        onto: Vec<[u32; 2]>,
-        dual: &ca_core_dual::Scene,
-    ) -> Option<Alone> {
+    fn of(shape: Shape, ops: &[&Op], ends: Vec<[u32; 2]>, onto: Vec<[u32; 2]>, dual: &Scene<Dual>) -> Option<Alone> {
         let (slots, links) = (shape.slots, shape.links);
         let (mut coef, mut mem, mut passes) = (3 * slots, 0, Vec::new());
         for (k, op) in ops.iter().enumerate() {
             let pass = pass(op, dual)?;
             let (coefs, memory) = pass.law.map(|law| (law.coefs, law.mem))?;
-            let ports = dual_op::Ports { reach: k, ..pass.ports };
-            passes.push(dual_op::Op { ports, first: k, coef, mem, tap: k, ..pass });
+            let ports = Ports { reach: k, ..pass.ports };
+            passes.push(Op { ports, first: k, coef, mem, tap: k, ..pass });
             (coef, mem) = (coef + coefs, mem + memory);
         }
         let law = passes.first()?.law?;
         let mut s = State::default();
-        if let dual_op::SolveStage::Coupled(solve) = law.stage {
-            passes.push(dual_op::Op::pass("contacts", solve, links));
+        if let SolveStage::Coupled = law.stage {
+            let pass = Pass::Contacts { modes: false };
+            passes.push(Op::new(pass, pass.kernel(), links));
             s.touches = ActiveContacts::new(links, slots);
         }
         let layout = Layout {
@@ -238,12 +232,12 @@ impl Alone {
         let sh = &self.shape;
         let line = sh.ports.len() == 1 && sh.slots == 2;
         let law = op.law.filter(|law| law.contact && law.mem == 0 && line && !sh.last)?;
-        Some((law.idle)(&self.given[sh.coef()..][..sh.coefs]))
+        Some((law.fns.idle)(&self.given[sh.coef()..][..sh.coefs]))
     }
 
     /// The derivatives of what the link does, by those of what it reads.
     pub fn carry(&mut self) {
-        if let (true, Some(law)) = (self.direct, self.ops[0].law) {
+        if let (true, Some(fns)) = (self.direct, self.ops[0].fns) {
             let number = |at: usize| {
                 let mut v = Dual::constant(self.given[at]);
                 v.tangents_mut().copy_from_slice(&self.moving[at]);
@@ -255,7 +249,7 @@ impl Alone {
             let (coefs, mem) = (&mut self.s.coef[3 * sh.slots..], &mut self.s.mem[..]);
             coefs.iter_mut().zip(sh.coef()..).for_each(|(to, at)| *to = number(at));
             mem.iter_mut().zip(sh.memory()..).for_each(|(to, at)| *to = number(at));
-            let force = (law.force)(coefs, mem, &self.layout.tables, e, w);
+            let force = (fns.force)(coefs, mem, &self.layout.tables, e, w);
             self.s.f[0] = force;
             self.s.f[1] = -force;
             self.s.tap[0] = force;
@@ -319,8 +313,8 @@ impl Alone {
             };
             to.tangents_mut()[lane] = 1.0;
         }
-        let Some(law) = self.ops[0].law else { return };
-        let force = (law.force)(coefs, &mut self.s.mem, &self.layout.tables, e, w);
+        let Some(fns) = self.ops[0].fns else { return };
+        let force = (fns.force)(coefs, &mut self.s.mem, &self.layout.tables, e, w);
         let adjoint = by.force[0] - by.force[1] + by.tap[0];
         for (lane, at) in some.iter().enumerate() {
             let memory = self.s.mem.iter().zip(by.memory).map(|(v, by)| by * v.tangents()[lane]);
@@ -364,22 +358,17 @@ impl Alone {
 }
 
 /// A pass of one link of the law of another, which is one of the `dual` scene.
-fn pass(op: &Op, dual: &ca_core_dual::Scene) -> Option<dual_op::Op> {
-    let of_law = |o: &&dual_op::Op| o.law.is_some_and(|law| Some(law.code) == op.law.map(|law| law.code));
-    let law = dual.forces.iter().find(of_law)?.law?;
-    let measure = |of: MeasureKind| match of {
-        MeasureKind::Line => dual_op::MeasureKind::Line,
-        MeasureKind::Along => dual_op::MeasureKind::Along,
-        MeasureKind::Radial => dual_op::MeasureKind::Radial,
-    };
-    let onto = op.form.onto.map(measure);
-    let form = Form { measure: measure(op.form.measure), onto, offset: true, tap: true, ..Form::default() };
-    let ports = dual_op::Ports { measure: form.measure, onto: onto.map(|m| (m, 0, 1)), ..Default::default() };
-    Some(dual_op::Op { law: Some(law), form, ports, ..dual_op::Op::pass(law.code, (law.kernel)(form), 1) })
+fn pass(op: &Op, dual: &Scene<Dual>) -> Option<Op<Dual>> {
+    let code = op.law?.code;
+    let (law, fns) = dual.forces.iter().find_map(|o| o.law.zip(o.fns).filter(|(law, _)| law.code == code))?;
+    let &Form { measure, onto, .. } = &op.form;
+    let form = Form { measure, onto, offset: true, tap: true, ..Form::default() };
+    let ports = Ports { measure, onto: onto.map(|m| (m, 0, 1)), ..Ports::default() };
+    Some(Op { ports, ..Op::links(law, fns, form, 1) })
 }
 
 /// Visits what a link reads, in the order of [`Shape`], each with its place there.
-fn each(s: &mut State, layout: &mut Layout, mut visit: impl FnMut(usize, &mut Dual)) {
+fn each(s: &mut State<Dual>, layout: &mut Layout<Dual>, mut visit: impl FnMut(usize, &mut Dual)) {
     let State { x, d, f, coef, mem, lengths, .. } = s;
     let state = [&mut x[..], d, f, coef, mem, lengths].into_iter().flatten();
     let all = state.chain(&mut layout.e0).chain(layout.reach.as_flattened_mut());

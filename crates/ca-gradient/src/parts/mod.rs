@@ -72,7 +72,7 @@ pub struct Basis(pub Vec<[f64; 2]>);
 impl Basis {
     /// That of a law, if it is linear in its coefficients too.
     fn of(law: &Law) -> Option<Basis> {
-        let force = |c: &[f64], e: f64, w: f64| (law.force)(c, &mut [], &[], e, w);
+        let force = |c: &[f64], e: f64, w: f64| (law.fns.force)(c, &mut [], &[], e, w);
         let one = |k: usize| {
             let mut c = vec![0.0; law.coefs];
             c[k] = 1.0;
@@ -209,14 +209,14 @@ impl Parts {
             let to = match law.stage {
                 SolveStage::Explicit => &mut parts.links,
                 SolveStage::Single(_) => &mut parts.last,
-                SolveStage::Coupled(_) => &mut together,
+                SolveStage::Coupled => &mut together,
             };
             // a place in a row that no link takes has one end
             let takes = |i: &usize| scene.layout.ends[op.first + i][0] != scene.layout.ends[op.first + i][1];
             let (late, coupled) = match law.stage {
                 SolveStage::Explicit => (false, false),
                 SolveStage::Single(_) => (true, false),
-                SolveStage::Coupled(_) => (true, true),
+                SolveStage::Coupled => (true, true),
             };
             let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: coupled };
             to.extend((0..op.n).filter(takes).map(link));

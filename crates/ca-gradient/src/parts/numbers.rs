@@ -25,14 +25,14 @@ impl Numbers {
     /// Where the model has errors, or there is no derivative by one of the `parameters`.
     pub fn new(loaded: &Loaded, options: &Options, parameters: &[Parameter]) -> Result<Numbers, Error> {
         let mut place = loaded.compile(options)?.scene;
-        let start = Start::of_plain(&mut place);
+        let start = Start::of(&mut place);
         let kinds = catalog();
         let bounds = Options { bounds_only: true, clouds: loaded.clouds.clone(), ..options.clone() };
         let mut all = Vec::new();
         for p in parameters {
             let other = |value: f64| {
                 let found = finish(&put(p, &loaded.model, value), Diags::new(), &kinds, &bounds);
-                found.map(|mut c| Start::of_plain(&mut c.scene)).map_err(|diags| Error::first(&diags))
+                found.map(|mut c| Start::of(&mut c.scene)).map_err(|diags| Error::first(&diags))
             };
             all.push(derivatives(&start, p, &other)?);
         }

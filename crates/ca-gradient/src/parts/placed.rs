@@ -4,6 +4,7 @@ use crate::parts::Link;
 use crate::parts::alone::Alone;
 use crate::parts::record::Row;
 use ca_core::Scene;
+use ca_core::numeric::Dual;
 use ca_core::op::Op;
 
 /// A link that is run alone, at its place, or some that are solved together.
@@ -29,7 +30,7 @@ pub struct Placed {
 impl Placed {
     /// A link of a scene, its numbers given; `place` is the scene with each number replaced by its place among them. `None` where its law
     /// is none of the `dual` scene.
-    pub fn new(scene: &Scene, link: &Link, dual: &ca_core_dual::Scene, place: &Scene) -> Option<Placed> {
+    pub fn new(scene: &Scene, link: &Link, dual: &Scene<Dual>, place: &Scene) -> Option<Placed> {
         let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.forces[*k]).collect();
         let each = || ops.iter().zip(&link.members).map(|(op, (_, i))| (*op, *i));
         let mut alone = if link.together {

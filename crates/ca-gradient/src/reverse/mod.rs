@@ -16,6 +16,7 @@ mod single;
 mod sums;
 mod taps;
 
+use crate::forward::over_dual;
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
 use crate::parts::{Parts, number};
@@ -23,6 +24,7 @@ use crate::played::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::Scene;
+use ca_core::numeric::Dual;
 use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
 use ca_core::scene::InputRole;
 use ca_io::gesture::Gesture;
@@ -36,7 +38,7 @@ pub use checkpoints::Checkpoints;
 pub struct Reverse {
     scene: Scene,
     parts: Parts,
-    dual: ca_core_dual::Scene,
+    dual: Scene<Dual>,
     /// the scene, each of its numbers replaced by its place among them
     place: Scene,
     parameters: Vec<Parameter>,
@@ -78,6 +80,7 @@ impl Reverse {
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Reverse, Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let (forward, dual) = Forward::begun(loaded, &options, wrt)?;
+        let dual = over_dual(&dual)?;
         let (scene, parameters) = forward.into_parts();
         let parts = Parts::of(&scene).map_err(Error::Refused)?;
         let Numbers { place, count, derivatives: all } = Numbers::new(loaded, &options, &parameters)?;

@@ -4,6 +4,7 @@ use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
+use ca_core::numeric::Dual;
 use ca_core::op::{MeasureKind, Op};
 use ca_core::{Scene, State};
 
@@ -44,7 +45,7 @@ impl Single {
     pub fn new(
         scene: &Scene,
         link: &Link,
-        dual: &ca_core_dual::Scene,
+        dual: &Scene<Dual>,
         place: &Scene,
         needed: &impl Fn(f64) -> bool,
         driven: &[usize],
@@ -158,7 +159,7 @@ impl Pairs {
     pub fn new(
         scene: &Scene,
         op: &Op,
-        dual: &ca_core_dual::Scene,
+        dual: &Scene<Dual>,
         place: &Scene,
         needed: &impl Fn(f64) -> bool,
     ) -> Option<Pairs> {
@@ -169,7 +170,7 @@ impl Pairs {
         let sh = &alone.shape;
         let coefs = sh.coef()..sh.coef() + sh.coefs;
         alone.given[coefs.clone()].copy_from_slice(&scene.initial.coef[op.coef..][..coefs.len()]);
-        let idle = (op.law?.idle)(&alone.given[coefs.clone()]);
+        let idle = (op.law?.fns.idle)(&alone.given[coefs.clone()]);
         let at = |k: usize| place.initial.coef[op.coef + k];
         let numbers: Vec<(usize, usize)> =
             (0..coefs.len()).filter(|k| needed(at(*k))).map(|k| (coefs.start + k, number(at(k)))).collect();

@@ -23,9 +23,9 @@ use crate::parts::{Link, Parts, number, unknown};
 use crate::played::diverged;
 use added::Added;
 use ca_core::numeric::Aligned;
+use ca_core::numeric::Dual;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
-use ca_core_dual::numeric::Dual;
 use ca_io::perform::DIVERGED;
 use gains::Gains;
 use link::Moving;
@@ -40,7 +40,7 @@ const TICKS: usize = 32;
 /// A scene whose derivatives are played by its own passes.
 pub struct Tangent {
     parts: Parts,
-    dual: ca_core_dual::Scene,
+    dual: Scene<Dual>,
     numbers: Numbers,
     /// that of the scene, without constant elongations
     layout: Layout,
@@ -67,7 +67,7 @@ impl Tangent {
     }
 
     /// The scene with these `numbers`, if there are derivatives by no others than are known here.
-    pub fn new(scene: &Scene, parts: Parts, dual: ca_core_dual::Scene, numbers: Numbers) -> Option<Tangent> {
+    pub fn new(scene: &Scene, parts: Parts, dual: Scene<Dual>, numbers: Numbers) -> Option<Tangent> {
         let mut layout = scene.layout.clone();
         layout.e0.fill(0.0);
         layout.heard.iter_mut().for_each(|h| h.e0 = 0.0);
@@ -118,7 +118,7 @@ impl Tangent {
         scene: &Scene,
         (given, frames): (&[f64], usize),
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &ca_core_dual::State) -> Result<(), Error>,
+        heard: &mut impl FnMut(usize, &State<Dual>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let columns: Vec<&[f64]> = self.numbers.derivatives[some].iter().map(Vec::as_slice).collect();
         let place = &self.numbers.place;
@@ -136,7 +136,7 @@ impl Tangent {
         let mut coefs = scene.initial.coef.clone();
         let mut record = Record::new(scene, &self.parts, TICKS, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
-        let mut sample = ca_core_dual::State { output: vec![Dual::default(); scene.n_out], ..Default::default() };
+        let mut sample = State::<Dual> { output: vec![Dual::default(); scene.n_out], ..Default::default() };
         let mut outputs = vec![vec![Dual::default(); scene.n_out]; TICKS];
         for first in (0..frames).step_by(TICKS) {
             let ticks = TICKS.min(frames - first);

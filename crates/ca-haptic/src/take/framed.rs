@@ -2,6 +2,7 @@
 //!
 //! Checks the lengths that mcap 0.26 does not: its parser slices an attachment without its CRC out of range, and its reader
 //! subtracts the length of a record from what is left of an uncompressed chunk. Both panic where the file is not as written.
+//! Its parser also makes room for a text by the length that stands before it, which may say 4 GB in a file of 69 bytes.
 
 use mcap::McapError;
 use mcap::records::op;
@@ -27,13 +28,55 @@ pub fn record(bytes: &[u8]) -> Option<(u8, &[u8])> {
     (number(head, 1)? == body.len() as u64).then_some((head[0], body))
 }
 
-/// Refuses what the library would panic on.
+/// Refuses what the library would panic on, and texts that are longer than their record.
 pub fn check(kind: u8, body: &[u8]) -> Result<(), McapError> {
     match kind {
         op::ATTACHMENT => attachment(body),
         op::CHUNK => chunk(body),
-        _ => Ok(()),
+        _ => texts(kind, body),
     }
+}
+
+/// A part of a record.
+enum Part {
+    /// so many bytes
+    Bytes(usize),
+    /// a text, or other bytes, after their length
+    Text,
+    /// pairs of texts, after the length of them all
+    Pairs,
+}
+
+/// The parts of a record up to its last text.
+fn parts(kind: u8) -> &'static [Part] {
+    use Part::{Bytes, Pairs, Text};
+    match kind {
+        op::HEADER => &[Text, Text],
+        op::SCHEMA => &[Bytes(2), Text, Text, Text],
+        op::CHANNEL => &[Bytes(4), Text, Text, Pairs],
+        op::CHUNK_INDEX => &[Bytes(32), Text, Bytes(8), Text],
+        op::ATTACHMENT_INDEX => &[Bytes(40), Text, Text],
+        op::METADATA => &[Text, Pairs],
+        op::METADATA_INDEX => &[Bytes(16), Text],
+        _ => &[],
+    }
+}
+
+fn texts(kind: u8, body: &[u8]) -> Result<(), McapError> {
+    let after = |at: usize| Some(at + 4 + length(body, at)?).filter(|end| *end <= body.len());
+    let read = |at: usize, part: &Part| match part {
+        Part::Bytes(n) => Some(at + n),
+        Part::Text => after(at),
+        Part::Pairs => {
+            let (mut at, end) = (at + 4, after(at)?);
+            while at < end {
+                at = after(after(at)?)?;
+            }
+            Some(at)
+        }
+    };
+    let all = parts(kind).iter().try_fold(0, read);
+    all.map(drop).ok_or(McapError::RecordTooLarge { opcode: kind, len: body.len() as u64 })
 }
 
 /// Times, two texts, the data and their lengths, and a CRC of 4 bytes at the end.
@@ -72,4 +115,46 @@ fn number(of: &[u8], at: usize) -> Option<u64> {
 /// The length of a text.
 fn length(of: &[u8], at: usize) -> Option<usize> {
     of.get(at..)?.first_chunk().map(|b| u32::from_le_bytes(*b) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A record that is whole, with a text of no bytes in each place, and the places of their lengths.
+    fn record(kind: u8) -> (Vec<u8>, Vec<usize>) {
+        let (mut body, mut at) = (Vec::new(), Vec::new());
+        for part in parts(kind) {
+            match part {
+                Part::Bytes(n) => body.resize(body.len() + n, 0),
+                Part::Text => {
+                    at.push(body.len());
+                    body.extend([0; 4]);
+                }
+                Part::Pairs => {
+                    body.extend(8_u32.to_le_bytes());
+                    at.extend([body.len() - 4, body.len(), body.len() + 4]);
+                    body.extend([0; 8]);
+                }
+            }
+        }
+        (body, at)
+    }
+
+    #[test]
+    fn no_text_is_longer_than_its_record() {
+        let kinds = [op::HEADER, op::SCHEMA, op::CHANNEL, op::CHUNK_INDEX, op::ATTACHMENT_INDEX, op::METADATA];
+        for kind in kinds.into_iter().chain([op::METADATA_INDEX]) {
+            let (body, texts) = record(kind);
+            assert!(check(kind, &body).is_ok() && !texts.is_empty(), "{kind:#x}");
+            for at in texts {
+                for length in [body.len() as u32, 0xe100_0000, u32::MAX] {
+                    let mut wrong = body.clone();
+                    wrong[at..at + 4].copy_from_slice(&length.to_le_bytes());
+                    assert!(check(kind, &wrong).is_err(), "{kind:#x}, byte {at}: {length}");
+                }
+            }
+            assert!(check(kind, &body[..body.len() - 1]).is_err(), "{kind:#x}, cut");
+        }
+    }
 }

@@ -84,6 +84,43 @@ fn a_wall_that_no_coupling_fits_is_reported() {
     }
 }
 
+/// Friction that sticks, and a damper of ten times the friction of the device. A hand that pushes on the former is still.
+#[test]
+fn friction_that_sticks_and_strong_dampers_are_softened() {
+    let p = e02(true);
+    let text = |link: &str| {
+        format!(
+            "[TGR]\nkey = {{ device = \"key\", dof = 0 }}\n[SOL]\nground = {{}}\n[MAS]\nbody = {{ m = 1 }}\n\
+             [RES]\nhold = {{ between = [\"ground\", \"body\"], k = 4e4 }}\n{link}"
+        )
+    };
+    for (link, sticks) in [
+        ("[BOW]\nrub = { between = [\"body\", \"key\"], f = 5, curve = \"coulomb\", method = \"set-valued\" }\n", true),
+        ("[FRO]\ndamp = { between = [\"body\", \"key\"], z = 20 }\n", false),
+    ] {
+        let first = scene(&text(link));
+        let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
+        assert!(soft.rigid && soft.felt <= 1500.0 * (1.0 + 1e-9), "{soft:?}");
+        assert_eq!(first.certificate.keys[0].sticks, sticks);
+        // a damper yields to a push for ever
+        if !sticks {
+            continue;
+        }
+        let coupled = met(&text(link), &p);
+        let mut l = Loop::new(&coupled, &p, 2);
+        let (mut low, mut high) = (f64::MAX, f64::MIN);
+        for n in 0..9000 {
+            let (x, _) = l.step(-2.0);
+            if n >= 7500 {
+                (low, high) = (low.min(x), high.max(x));
+            }
+        }
+        assert!(high - low < 5e-6, "{} m", high - low);
+    }
+    let weak = scene(&text("[FRO]\ndamp = { between = [\"body\", \"key\"], z = 1.7 }\n"));
+    assert_eq!(needed(&weak, &[setup(&weak, &p)]).softened.len(), 0);
+}
+
 #[test]
 fn a_key_that_is_held_has_no_trace_of_a_coupling() {
     let p = e02(true);

@@ -49,6 +49,11 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     };
     // a `.ply` may be binary
     let binary = ext.as_deref() == Some("ply");
+    // what a model names is not waited for, as a pipe would be
+    if path.metadata().is_ok_and(|m| !m.is_file()) {
+        let e = FileError::content("it is not a regular file").file(path.display());
+        return Err(e.fix("name a file that holds the points"));
+    }
     let bytes = (if binary { reading::bytes } else { reading::text })(path, reading::CLOUD)?;
     read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
 }
@@ -158,4 +163,35 @@ fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
     }
     cloud.edges = edges.into_iter().collect();
     Ok(cloud)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_end_is_not_read() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a.obj", "a.ply", "a.csv"] {
+            let path = dir.path().join(name);
+            #[cfg(unix)]
+            assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+            #[cfg(not(unix))]
+            std::fs::create_dir(&path).unwrap();
+            let e = open(&path).unwrap_err().to_string();
+            assert!(e.contains("it is not a regular file"), "{e}");
+        }
+    }
+
+    #[test]
+    fn a_negative_corner_is_told_as_one() {
+        let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                    element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n";
+        assert!(ply::read(format!("{head}3 0 1 2\n").as_bytes()).is_ok());
+        for wrong in [-1, -2] {
+            let e =
+                ply::read(format!("{head}3 0 1 {wrong}\n").as_bytes()).and_then(|d| cloud(&d)).unwrap_err().to_string();
+            assert!(e.contains("negative") && e.contains("there are 3") && !e.contains("42949"), "{e}");
+        }
+    }
 }

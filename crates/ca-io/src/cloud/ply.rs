@@ -204,5 +204,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
             _ => {}
         }
     }
+    let corners = |all: &[Vec<u32>]| all.iter().flatten().any(|c| *c >= NEXT);
+    if let Some((what, _)) = [("face", &d.faces), ("line", &d.lines)].into_iter().find(|(_, all)| corners(all)) {
+        let what = format!("a {what} names a point by a number that is negative, too large or not a number");
+        return Err(FileError::content(what).fix(format!("there are {}, counted from 0", d.points.len())));
+    }
     Ok(d)
 }

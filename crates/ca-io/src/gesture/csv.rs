@@ -13,6 +13,7 @@
 //! interpolated between its neighbours. A line of blanks says nothing, and a comma at the end of a line begins no column. Lines beginning with `#` are comments. Time may stand still (a jump) but not
 //! run backwards. Only commas separate and only points are decimal: guessing would turn `1,5` into two columns.
 
+use super::track::too_long;
 use super::{Gesture, LONGEST, Track};
 use crate::error::{FileError, FileErrorKind, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
@@ -39,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
             return Err(FileError::content("the time is blank").at(place(line, 0, "time")).fix("write it in seconds"));
         };
         if time.abs() > LONGEST {
-            return Err(FileError::content(format!("the time is {} s", Plain(time))).at(place(line, 0, "time")));
+            return Err(too_long(time).at(place(line, 0, "time")));
         }
         if time < before {
             let e = FileError::content(format!("time runs backwards, from {} s to {} s", Plain(before), Plain(time)));

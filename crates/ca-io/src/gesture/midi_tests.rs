@@ -423,3 +423,10 @@ fn what_no_port_follows_is_told() {
     let g = read(&file(0, MS, &[events]), &[port("x", MidiSource::Control(7), None)]).unwrap();
     assert!(g.remarks()[1].starts_with("no port follows controller 64 on channel 1"), "{:?}", g.remarks());
 }
+
+#[test]
+fn a_file_lasts_a_day_at_most() {
+    let long: &[(u32, &[u8])] = &[(0, &[0x90, 60, 100]), (0x0fff_ffff, &[0x80, 60, 0])];
+    let e = read(&file(0, 480, &[long]), &[key()]).unwrap_err().to_string();
+    assert!(e.contains("the time is 279620") && e.contains("86400 s at most"), "{e}");
+}

@@ -1,15 +1,15 @@
 //! RIFF: the format and the samples of a WAV file, whatever chunks stand around them.
 //!
 //! Reads `RIFF` and, for files beyond 4 GiB, `RF64` and `BW64` (EBU Tech 3306, ITU-R BS.2088), whose chunk `ds64` holds 64-bit
-//! sizes. A program that writes to a pipe cannot go back to enter a size: `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000, and
-//! others 0. Such samples go on to the end of the file. A size of 0 says so only where the size of the whole is open too, so
+//! sizes. A program that writes to a pipe cannot go back to enter a size: `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000,
+//! others the largest number of 31 bits, the one after it, the largest even one of 32, or 0. Such samples go on to the end of the file. A size of 0 says so only where the size of the whole is open too, so
 //! that a file without samples stays without samples.
 //!
 //! No library covers this: hound 3.5 knows neither `RF64` nor open sizes, pad bytes or 64-bit floats, and reads 24 bits in 32
 //! from the wrong end; symphonia 0.6 lacks `RF64`, bwavfile 2.0 64-bit floats.
 
 /// Sizes that mean "to the end of the file".
-const OPEN: [u64; 2] = [0xffff_ffff, 0x7fff_f000];
+const OPEN: [u64; 5] = [0xffff_ffff, 0xffff_fffe, 0x8000_0000, 0x7fff_ffff, 0x7fff_f000];
 /// The tag of an extensible format, and where the tag of its samples stands.
 const EXTENSIBLE: (u32, usize) = (0xfffe, 24);
 

@@ -10,8 +10,17 @@
 use crate::error::FileError;
 use ca_model::quantity::Plain;
 
-/// Longest time a breakpoint may have, either side of zero \[s\]: beyond it a double hardly tells sound samples apart.
-pub const LONGEST: f64 = 1e9;
+/// Longest time that a gesture may have, either side of zero \[s\]: a day, as long as a performance is asked to last at most.
+pub const LONGEST: f64 = 86_400.0;
+
+/// Highest rate of samples \[Hz\], and the inverse of the lowest.
+const FASTEST: f64 = 1e9;
+
+/// The error of a time that is longer than [`LONGEST`] \[s\].
+pub(super) fn too_long(t: f64) -> FileError {
+    let what = format!("the time is {} s, and a gesture lasts {} s at most", Plain(t), Plain(LONGEST));
+    FileError::content(what).fix("cut the rest off, or write times in seconds")
+}
 
 /// How a track is kept.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +53,11 @@ impl Track {
             if !v.is_finite() {
                 return err(i, format!("the value is {v}"));
             }
-            if !t.is_finite() || t.abs() > LONGEST {
+            if !t.is_finite() {
                 return err(i, format!("the time is {} s", Plain(t)));
+            }
+            if t.abs() > LONGEST {
+                return Err(too_long(t).at(format!("track `{name}`, point {i}")));
             }
             if i > 0 && t < points[i - 1].0 {
                 return err(i, format!("time runs backwards, from {} s to {} s", Plain(points[i - 1].0), Plain(t)));
@@ -67,6 +79,10 @@ impl Track {
         if let Some(i) = samples.iter().position(|v| !v.is_finite()) {
             let what = format!("the value is {}", samples[i]);
             return Err(FileError::content(what).at(format!("track `{name}`, sample {i}")));
+        }
+        let end = (samples.len() - 1) as f64 / rate;
+        if end > LONGEST {
+            return Err(too_long(end).at(format!("track `{name}`, sample {}", samples.len() - 1)));
         }
         Ok(Track { name, curve: Curve::Samples(rate, samples) })
     }
@@ -163,7 +179,7 @@ impl Cursor<'_> {
 }
 
 pub(crate) fn check_rate(rate: f64) -> Result<(), FileError> {
-    if rate.is_finite() && rate > 1.0 / LONGEST && rate < LONGEST {
+    if rate.is_finite() && rate > 1.0 / FASTEST && rate < FASTEST {
         return Ok(());
     }
     Err(FileError::usage(format!("a rate of {} Hz", Plain(rate))).fix("give samples per second, for example 3000"))
@@ -203,6 +219,20 @@ fn mix(a: f64, b: f64, u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_gesture_lasts_a_day_at_most() {
+        for t in [86_401.0, -1e9] {
+            let mut points = [(0.0_f64, 0.0), (t, 1.0)];
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let e = Track::points("x", points.to_vec()).unwrap_err().to_string();
+            assert!(e.contains(&format!("{} s, and a gesture lasts 86400 s at most", Plain(t))), "{e}");
+        }
+        assert!(Track::points("x", vec![(86_400.0, 1.0)]).is_ok());
+        let e = Track::sampled("x", 1.0 / 131_072.0, vec![0.0, 1.0]).unwrap_err().to_string();
+        assert!(e.contains("the time is 131072 s"), "{e}");
+        assert!(Track::sampled("x", 96_000.0, vec![0.0; 3]).is_ok());
+    }
     use proptest::prelude::*;
 
     #[test]

@@ -214,7 +214,9 @@ mod tests {
             file[40..44].copy_from_slice(&data.to_le_bytes());
             channels(&file)
         };
-        for (whole, data) in [(0, 0), (u32::MAX, 0), (u32::MAX, u32::MAX), (0x7fff_f024, 0x7fff_f000), (42, u32::MAX)] {
+        let lasts = [u32::MAX, u32::MAX - 1, 0x8000_0000, 0x7fff_ffff].map(|data| (u32::MAX, data));
+        let others = [(0, 0), (u32::MAX, 0), (0x7fff_f024, 0x7fff_f000), (42, u32::MAX)];
+        for (whole, data) in lasts.into_iter().chain(others) {
             assert_eq!(sized(whole, data).as_ref(), Ok(&plain), "{whole:#x} {data:#x}");
         }
         // a file with a known length and without samples

@@ -52,7 +52,7 @@ pub struct Candidate {
     /// the same with the energy ledger
     pub audited: Option<Scene>,
     /// the same in single precision, which runs in its place
-    pub single: Option<ca_core_single::Scene>,
+    pub single: Option<Scene<f32>>,
 }
 
 impl Candidate {

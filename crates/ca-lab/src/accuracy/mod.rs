@@ -11,6 +11,8 @@ mod single;
 #[cfg(test)]
 mod tests;
 
+pub use single::bound as single;
+
 use crate::Failure;
 use crate::load::{self, Loaded};
 use ca_compile::Options;

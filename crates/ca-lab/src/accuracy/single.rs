@@ -1,4 +1,4 @@
-//! The model as written in single precision: the build of the same kernels that `ca-core-single` is.
+//! The model as written in single precision: its scene bound to `f32`.
 //!
 //! Decides to give it what a gesture gives the scene in double precision, tick by tick and written down beforehand: who
 //! moves ports and when is decided in one place, and the time measured is that of the ticks.
@@ -9,42 +9,45 @@ use crate::Failure;
 use crate::load::Loaded;
 use ca_compile::Options;
 use ca_core::Scene;
-use ca_core_single as single;
+use ca_core::numeric::Precision;
+use ca_core::scene::Unbound;
 use ca_io::perform::{DIVERGED, Performance};
-use ca_model::write::write;
-use ca_model_single::diag::Severity;
+use ca_model::diag::Severity;
 use std::time::Instant;
 
 /// As people call it.
 pub const SINGLE: &str = "single";
 
+/// A scene that was compiled for [`Precision::Single`], bound to it.
+///
+/// # Errors
+/// [`Unbound`].
+pub fn bound(scene: &Scene) -> Result<Scene<f32>, Unbound> {
+    scene.bind(&cordis_anima::laws())
+}
+
 /// The scene in single precision, or why there is none.
-pub fn compiled(loaded: &Loaded, options: &Options) -> Result<single::Scene, String> {
-    let catalog = ca_model_single::catalog();
-    let unknown = loaded.model.items.iter().find(|i| catalog.get(&i.kind).is_none() || !loaded.clouds.is_empty());
-    if let Some(item) = unknown {
-        return Err(format!("`{}` is made in double precision only", item.name));
-    }
-    let options = ca_compile_single::Options {
+pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String> {
+    let options = Options {
         rate: options.rate,
         probes: options.probes.clone(),
-        ..ca_compile_single::Options::default()
+        precision: Precision::Single,
+        ..Options::default()
     };
-    let (_, scene) = ca_compile_single::load(&write(&loaded.model), &loaded.model.file, &catalog, &options);
-    let scene = scene.map_err(|diags| {
-        let first = diags.list.into_iter().find(|d| d.severity == Severity::Error);
+    let scene = loaded.compile(&options).map_err(|found| {
+        let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
         first.map(|d| d.title).unwrap_or_default()
     })?;
     match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
         Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
-        None => Ok(scene.scene),
+        None => bound(&scene).map_err(|why| why.to_string()),
     }
 }
 
 /// As [`columns`](super::play::columns), of a scene in single precision; `double`, the same in double precision,
 /// knows what its ports are given.
 pub fn columns(
-    scene: &single::Scene,
+    scene: &Scene<f32>,
     double: &Scene,
     (frames, times): (usize, u32),
     steps: &mut Steps,
@@ -68,7 +71,7 @@ pub fn columns(
         }
         if !diverged {
             s.input.copy_from_slice(&given[tick * n..][..n]);
-            single::tick(scene, &mut s);
+            ca_core::tick(scene, &mut s);
             diverged = s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED);
         }
         if tick.is_multiple_of(times as usize) {

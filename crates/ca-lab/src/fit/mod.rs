@@ -104,6 +104,13 @@ pub struct Beyond {
     pub count: usize,
 }
 
+impl Beyond {
+    /// The sinusoids in words.
+    pub fn named(&self) -> String {
+        format!("{} damped sinusoid{}", self.count, if self.count == 1 { "" } else { "s" })
+    }
+}
+
 /// Which distance decided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
@@ -181,7 +188,7 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
     }
     let n = varied.len() as u32;
     if ask.renders < FEW + 2 * n {
-        let what = format!("{} renders are too few for {n} numbers", ask.renders);
+        let what = format!("{} renders are too few for {n} number{}", ask.renders, if n == 1 { "" } else { "s" });
         return Err(Failure::Usage(format!("{what}: {} or more", FEW + 2 * n)));
     }
     let options = Options { rate: Some(recording.rate), clouds: loaded.clouds.clone(), ..Options::default() };

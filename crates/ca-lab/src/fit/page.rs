@@ -52,7 +52,7 @@ pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let mut blocks = vec![Block::Table(numbers)];
     if let Some(b) = &fit.beyond {
         distances.push(row(&format!("after, in the {:.2} s that were not fitted", b.seconds), &b.model));
-        distances.push(row(&format!("there, {} damped sinusoids with as many numbers", b.count), &b.sinusoids));
+        distances.push(row(&format!("there, {} with as many numbers", b.named()), &b.sinusoids));
     }
     blocks.push(Block::Table(Table::new(&["distance", "levels", "what is left of the samples"], distances)));
     let how = match fit.stage {

@@ -229,6 +229,21 @@ fn a_search_that_has_not_settled_says_so() {
     assert!(found.fitted.iter().all(|f| f.uncertainty().starts_with('±')), "{:?}", found.fitted);
 }
 
+#[test]
+fn one_is_not_several() {
+    let recording = recorded(&model(MINE, &[]), 0.1);
+    let few = |vary: &[&str]| {
+        let (vary, go) = (names(vary), &mut |_, _| true);
+        let mut ask = FitOptions { renders: 1, ..options(&vary, &[], go) };
+        format!("{:?}", fit(&model(MINE, &[]), &recording, &mut ask).unwrap_err())
+    };
+    assert!(few(&["low.f"]).contains("too few for 1 number: "), "{}", few(&["low.f"]));
+    assert!(few(&["low.f", "hammer.m"]).contains("too few for 2 numbers: "));
+    let none = super::Distance { levels: 0.0, samples: 0.0 };
+    let named = |count| super::Beyond { seconds: 1.0, model: none, sinusoids: none, count }.named();
+    assert_eq!([1, 2].map(named), ["1 damped sinusoid", "2 damped sinusoids"]);
+}
+
 /// Sounds that no string makes: none of their numbers gets a deviation.
 #[test]
 fn what_the_model_does_not_explain_gets_no_deviations() {

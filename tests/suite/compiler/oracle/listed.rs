@@ -66,7 +66,7 @@ impl Listed {
     /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
         let mem = self.mem.get_or_insert_with(|| self.law.started(&self.c, e));
-        (self.law.force)(&self.c, mem, &self.tables, e, w)
+        (self.law.fns.force)(&self.c, mem, &self.tables, e, w)
     }
 }
 

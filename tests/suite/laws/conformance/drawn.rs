@@ -187,13 +187,13 @@ impl Loaded {
         l
     }
     pub fn start(&mut self, e: f64) {
-        (self.law.start)(&self.c, [e, 0.0], &mut self.mem);
+        (self.law.fns.start)(&self.c, [e, 0.0], &mut self.mem);
     }
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
-        (self.law.force)(&self.c, &mut self.mem, &self.tables, e, w)
+        (self.law.fns.force)(&self.c, &mut self.mem, &self.tables, e, w)
     }
     pub fn stored(&self, e: f64) -> f64 {
-        (self.law.energies.stored)(&self.c, &self.mem, &self.tables, e, e)
+        (self.law.fns.energies.stored)(&self.c, &self.mem, &self.tables, e, e)
     }
 }
 

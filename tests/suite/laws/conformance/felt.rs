@@ -59,26 +59,26 @@ static LAW: Law = Law::of::<Felt, 9, 2>("FELT");
 struct Felt;
 
 /// Integrals of the loading curve L from 0 to `n`: of L, and of L times depth.
-fn areas([k, q, b, ..]: &[Real; 9], n: Real) -> [Real; 2] {
-    let o = (n - b).max(0.0);
-    [0.5 * (k * n * n + q * o * o), k * n * n * n / 3.0 + q * o * o * (o / 3.0 + 0.5 * b)]
+fn areas<R: Real>(&[k, q, b, ..]: &[R; 9], n: R) -> [R; 2] {
+    let o = (n - b).max(R::ZERO);
+    [R::of(0.5) * (k * n * n + q * o * o), k * n * n * n / R::of(3.0) + q * o * o * (o / R::of(3.0) + R::of(0.5) * b)]
 }
 
 /// What is not given back of a compression to the depth `m`.
-fn kept(c: &[Real; 9], m: Real) -> Real {
+fn kept<R: Real>(c: &[R; 9], m: R) -> R {
     let [work, moment] = areas(c, m);
-    if m > 0.0 { (1.0 - c[3]) * (work - moment / m) } else { 0.0 }
+    if m > R::ZERO { (R::of(1.0) - c[3]) * (work - moment / m) } else { R::ZERO }
 }
 
 /// How deep it is pressed, 0 where it is not.
-fn depth(c: &[Real; 9], e: Real) -> Real {
-    (c[7] * (c[6] - e)).max(0.0)
+fn depth<R: Real>(c: &[R; 9], e: R) -> R {
+    (c[7] * (c[6] - e)).max(R::ZERO)
 }
 
 impl Phi<9, 2> for Felt {
     const CONTACT: bool = true;
-    fn idle(&[_, _, _, _, _, _, d, side, _]: &[Real; 9]) -> (Real, Real) {
-        if side > 0.0 { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
+    fn idle<R: Real>(&[_, _, _, _, _, _, d, side, _]: &[R; 9]) -> (R, R) {
+        if side > R::ZERO { (d, Real::INFINITY) } else { (Real::NEG_INFINITY, d) }
     }
     fn coefs(p: &[Option<f64>], tick_dt: f64) -> [f64; 9] {
         let at = |i: usize| p[i].unwrap_or(0.0);
@@ -86,31 +86,31 @@ impl Phi<9, 2> for Felt {
         let clip = if p[9] == Some(0.0) { 1.0 } else { 0.0 };
         [at(1), at(2), at(3), at(4), at(5) / tick_dt, at(6) / tick_dt, at(7), side, clip]
     }
-    fn start(c: &[Real; 9], e: Real) -> [Real; 2] {
-        [depth(c, e), 0.0]
+    fn start<R: Real>(c: &[R; 9], e: R) -> [R; 2] {
+        [depth(c, e), R::ZERO]
     }
-    fn force(c: &[Real; 9], mem: &mut [Real; 2], _: &[Table], e: Real, w: Real) -> Real {
+    fn force<R: Real>(c: &[R; 9], mem: &mut [R; 2], _: &[Table<R>], e: R, w: R) -> R {
         let &[k, q, b, r, closing, opening, _, side, clip] = c;
         let n = depth(c, e);
         let before = mem[0];
         // once let go, it is as it was before the blow
-        let m = if n > 0.0 { before.max(n) } else { 0.0 };
-        *mem = [m, (kept(c, m) - kept(c, before)).max(0.0)];
-        if n == 0.0 {
-            return 0.0;
+        let m = if n > R::ZERO { before.max(n) } else { R::ZERO };
+        *mem = [m, (kept(c, m) - kept(c, before)).max(R::ZERO)];
+        if n == R::ZERO {
+            return R::ZERO;
         }
-        let push = (k * n + q * (n - b).max(0.0)) * (r + (1.0 - r) * n / m);
-        let f = -side * push + if side * w < 0.0 { closing } else { opening } * w;
-        if clip != 0.0 && side * f > 0.0 { 0.0 } else { f }
+        let push = (k * n + q * (n - b).max(R::ZERO)) * (r + (R::of(1.0) - r) * n / m);
+        let f = -side * push + if side * w < R::ZERO { closing } else { opening } * w;
+        if clip != R::ZERO && side * f > R::ZERO { R::ZERO } else { f }
     }
-    fn potential(c: &[Real; 9], mem: &[Real; 2], _: &[Table], e: Real) -> Real {
+    fn potential<R: Real>(c: &[R; 9], mem: &[R; 2], _: &[Table<R>], e: R) -> R {
         let n = depth(c, e);
         let [work, moment] = areas(c, n);
-        if n > 0.0 { c[3] * work + (1.0 - c[3]) * moment / n.max(mem[0]) } else { 0.0 }
+        if n > R::ZERO { c[3] * work + (R::of(1.0) - c[3]) * moment / n.max(mem[0]) } else { R::ZERO }
     }
-    fn lost(c: &[Real; 9], mem: &[Real; 2], t: &[Table], e: [Real; 3]) -> Real {
+    fn lost<R: Real>(c: &[R; 9], mem: &[R; 2], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
-        let elastic = &[c[0], c[1], c[2], c[3], 0.0, 0.0, c[6], c[7], 0.0];
+        let elastic = &[c[0], c[1], c[2], c[3], R::ZERO, R::ZERO, c[6], c[7], R::ZERO];
         let viscous = Self::force(c, &mut { *mem }, t, e[1], w) - Self::force(elastic, &mut { *mem }, t, e[1], w);
         mem[1] + viscous * w
     }

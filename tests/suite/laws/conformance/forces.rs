@@ -44,7 +44,7 @@ proptest! {
                 let e = [path(i - 1), path(i), path(i + 1)];
                 let f = l.force(e[1], e[1] - e[0]);
                 work += f * 0.5 * (e[2] - e[0]);
-                heat += (l.law.energies.lost)(&l.c, &l.mem, &l.tables, e);
+                heat += (l.law.fns.energies.lost)(&l.c, &l.mem, &l.tables, e);
                 scale = scale.max((f * way).abs());
                 bend = bend.max((f - last.unwrap_or(f)).abs());
                 last = Some(f);
@@ -70,7 +70,7 @@ proptest! {
             for i in -n..n {
                 let e = [path(i - 1), path(i), path(i + 1)];
                 let f = l.force(e[1], e[1] - e[0]);
-                let heat = (l.law.energies.lost)(&l.c, &l.mem, &l.tables, e);
+                let heat = (l.law.fns.energies.lost)(&l.c, &l.mem, &l.tables, e);
                 prop_assert!(heat >= 0.0, "heat {heat} at {e:?}\n{}", l.named);
                 if i >= 0 {
                     let work = f * 0.5 * (e[2] - e[0]);
@@ -88,7 +88,7 @@ proptest! {
         for (kind, _) in laws() {
             let mut l = Loaded::new(kind, &mut Random(seed));
             let bound = (l.law.bound)(&l.c, &l.tables);
-            let (from, to) = (l.law.idle)(&l.c);
+            let (from, to) = (l.law.fns.idle)(&l.c);
             let rest = if !l.law.contact { 0.0 } else if from.is_finite() { from } else { to };
             let e = if bound.hardens { rest } else { e };
             // what remembers begins anew at `e` each time; what then lets go has no slope to speak of

@@ -17,7 +17,7 @@ use ca_core::Scene;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
 use ca_haptic::calibration::Calibration;
-use ca_haptic::coupling::{self, Held, Presented};
+use ca_haptic::coupling::{self, Held, Needed, Presented};
 use ca_haptic::engine::Setup;
 use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
@@ -34,6 +34,8 @@ struct LimitRow<'a> {
     presented: Presented,
     /// where it is softened while it is played, the stiffness that is felt \[N/m\]
     felt: Option<f64>,
+    /// no coupling fits it
+    too_stiff: bool,
     /// largest force within the travel \[N\]
     force: f64,
     /// where in the travel the force first passes the largest of the device, from the rest of the key \[m\]
@@ -82,9 +84,8 @@ impl<'a> DeviceDemands<'a> {
             calibration: Calibration::default(),
             gains: equivalence::gains(scene, device),
         };
-        let softened = coupling::needed(scene, &devices.iter().map(setup).collect::<Vec<_>>());
-        let felt = |mat: &str| softened.softened.iter().find(|s| s.coupling.port == mat).map(|s| s.felt);
-        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &felt)).collect();
+        let needed = coupling::needed(scene, &devices.iter().map(setup).collect::<Vec<_>>());
+        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &needed)).collect();
         DeviceDemands {
             profile,
             rows,
@@ -112,6 +113,18 @@ impl<'a> DeviceDemands<'a> {
         ]
     }
 
+    /// What holds a key more firmly than springs do, beyond what the device can render.
+    fn firmly(&self, r: &LimitRow) -> Option<String> {
+        let (z, b) = (r.presented.viscosity, self.profile.body.friction);
+        if !self.feedback || !r.presented.is_rigid(b) {
+            None
+        } else if r.presented.sticks {
+            Some("held by friction that sticks".into())
+        } else {
+            Some(format!("damped by {} N s/m, × {} of its friction", short(z), short(z / b)))
+        }
+    }
+
     /// Whether a key is to be where the device cannot bring it.
     fn outside(&self, r: &LimitRow) -> bool {
         let [low, high] = self.profile.range;
@@ -123,7 +136,7 @@ impl<'a> DeviceDemands<'a> {
     pub(super) fn too_much(&self) -> bool {
         !self.missing().is_empty()
             || self.rows.iter().any(|r| self.outside(r))
-            || self.rows.iter().any(|r| self.beyond(r).contains(&true))
+            || self.rows.iter().any(|r| self.beyond(r).contains(&true) || self.firmly(r).is_some())
     }
 
     /// For people.
@@ -209,8 +222,10 @@ impl<'a> DeviceDemands<'a> {
             if self.beyond(r).contains(&true) {
                 let steeper = r.presented.steepest > r.presented.certified * (1.0 + 1e-6);
                 let all: Vec<String> = r.links.iter().take(4).map(|(n, k)| format!("`{n}` {}", quantity(*k))).collect();
-                let more = if steeper { "; it stiffens within the travel" } else { "" };
-                writeln!(out, "  {:<17} {}{more}", "", all.join(", "))?;
+                let more = steeper.then(|| "it stiffens within the travel".to_owned());
+                let said: Vec<String> =
+                    Some(all.join(", ")).filter(|s| !s.is_empty()).into_iter().chain(more).collect();
+                writeln!(out, "  {:<17} {}", "", said.join("; "))?;
             }
             if let Some(x) = r.saturates {
                 writeln!(
@@ -247,14 +262,19 @@ impl<'a> DeviceDemands<'a> {
             ),
             [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
             [false, true] => format!("× {} what stays passive", times(self.held.passive)),
-            [false, false] if r.felt.is_some() => String::new(),
+            [false, false] if r.felt.is_some() || r.too_stiff => String::new(),
             [false, false] if self.outside(r) => return "beyond its travel".into(),
             [false, false] if r.saturates.is_some() => return format!("rendered up to {}", newton(self.profile.force)),
             [false, false] => return "rendered".into(),
         };
-        let felt = r.felt.map_or_else(String::new, |k| format!("softened to {}", quantity(k)));
+        let felt = match r.felt {
+            Some(k) => format!("softened to {}", quantity(k)),
+            None if r.too_stiff => "no coupling fits: it gives no force".into(),
+            None => String::new(),
+        };
         let outside = if self.outside(r) { "beyond its travel".into() } else { String::new() };
-        [forces, felt, outside].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
+        let firmly = self.firmly(r).unwrap_or_default();
+        [forces, firmly, felt, outside].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join(", ")
     }
 
     /// For programs.
@@ -268,7 +288,8 @@ impl<'a> DeviceDemands<'a> {
                 let links: Vec<Json> = r.links.iter().map(|(n, k)| json!({"name": n, "k": k})).collect();
                 json!({
                     "name": r.name, "dof": r.dof, "there": r.there, "k": r.k(), "certified": r.presented.certified,
-                    "steepest": r.presented.steepest, "felt": r.felt, "force": r.force, "saturates": r.saturates, "links": links,
+                    "steepest": r.presented.steepest, "viscosity": r.presented.viscosity, "sticks": r.presented.sticks,
+                    "felt": r.felt, "too_stiff": r.too_stiff, "force": r.force, "saturates": r.saturates, "links": links,
                     "alpha": r.gains.alpha, "beta": r.gains.beta,
                     "beyond_stiffness": stiff, "beyond_passive": active,
                     "asks": r.asks, "beyond_travel": self.outside(r),
@@ -288,14 +309,8 @@ fn newton(v: f64) -> String {
     show(short(v).parse().unwrap_or(v), Unit::NEWTON)
 }
 
-/// Device port number `t` of the scene; `felt` knows what is softened, by the MAT that is moved.
-fn row<'a>(
-    scene: &'a Scene,
-    t: usize,
-    profile: &Profile,
-    devices: &[&str],
-    felt: &dyn Fn(&str) -> Option<f64>,
-) -> Option<LimitRow<'a>> {
+/// Device port number `t` of the scene.
+fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str], needed: &Needed) -> Option<LimitRow<'a>> {
     let port = scene.tgr[t];
     let input = &scene.inputs[port.input as usize];
     let (device, dof) = input.device.as_ref()?;
@@ -307,7 +322,8 @@ fn row<'a>(
     let mut links: Vec<(&str, f64)> =
         key.iter().flat_map(|k| &k.links).map(|(n, k)| (n.as_str(), k * gains.stiffness())).collect();
     links.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let presented = Presented::new(scene, t, profile.range);
+    let presented = Presented::new(scene, t, profile);
+    let name = scene.mat_name(at);
     let rest = input.rest / gains.alpha;
     let own = scene.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
     let asks = own.map(|p| p[1] / gains.alpha).fold([rest; 2], |[a, b], x| [a.min(x), b.max(x)]);
@@ -319,7 +335,8 @@ fn row<'a>(
         gains,
         force: travel.fold(0.0, |m, [_, f]| m.max(f.abs())),
         saturates: beyond.min_by(f64::total_cmp),
-        felt: felt(&scene.mat_name(at)),
+        felt: needed.softened.iter().find(|s| s.coupling.port == name).map(|s| s.felt),
+        too_stiff: needed.too_stiff.iter().any(|t| t.port == name),
         presented,
         links,
         there: *dof < profile.dof,

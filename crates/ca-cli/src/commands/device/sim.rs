@@ -9,7 +9,7 @@ use super::about;
 use crate::args::{ScriptKind, SimArgs};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term::short;
-use crate::{store, term};
+use crate::{outputs, store, term};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};
 use ca_haptic::profile::Profile;
@@ -37,6 +37,17 @@ const KEPT: usize = 4096;
 
 /// Runs the command.
 pub fn run(args: &SimArgs) -> Outcome {
+    if let Some(log) = &args.force_log {
+        let profile = store::profile_file(&args.profile);
+        let gesture = args.gesture.iter().map(|p| ("the gesture", &**p));
+        let inputs: Vec<_> = profile.iter().map(|p| ("the profile", &**p)).chain(gesture).collect();
+        outputs::apart(&[("--force-log", log)], &inputs)?;
+    }
+    if args.wait && args.script == ScriptKind::Push {
+        return Err(Failure::Usage(
+            "--wait: `--script push` has no beginning to wait with; it pushes all the time".into(),
+        ));
+    }
     let mut profile = store::profile(&args.profile)?;
     if let Some(rate) = args.rate {
         profile.rate = rate;

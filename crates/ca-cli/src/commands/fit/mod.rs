@@ -8,7 +8,7 @@ use super::render;
 use crate::args::{FitArgs, Playing, Source};
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::{page, term};
+use crate::{outputs, page, term};
 use ca_compile::Options;
 use ca_io::recording::Recording;
 use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
@@ -22,6 +22,10 @@ use std::path::Path;
 pub fn run(args: &FitArgs) -> Outcome {
     render::listen();
     args.report.as_deref().map_or(Ok(()), page::is_page)?;
+    let page = args.report.iter().map(|p| ("--report", &**p));
+    let written: Vec<_> = args.to_file.write.iter().map(|p| ("--write", &**p)).chain(page).collect();
+    let read = render::inputs("", &args.gesture).into_iter().chain([("the recording", &*args.to)]);
+    outputs::apart(&written, &read.collect::<Vec<_>>())?;
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();
@@ -49,7 +53,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     let scene = load::scene(&loaded, &options)?;
     load::warn(&loaded, &scene);
     let playing = Playing { seconds: None, gesture: args.gesture.clone(), gesture_rate: None };
-    let gesture = render::gesture(&playing, &scene, Path::new(""))?;
+    let gesture = render::gesture(&playing, &scene)?;
     let bar = (!args.json).then(|| term::progress(u64::from(args.renders)));
     let mut ask = FitOptions {
         vary: &args.vary,
@@ -127,7 +131,7 @@ fn print(loaded: &Loaded, target: &str, found: &Fit) -> Result<(), Failure> {
     if let Some(b) = &found.beyond {
         writeln!(out, "  in the {:.3} s after that, which were not fitted:", b.seconds)?;
         writeln!(out, "    the model: {}", line(&b.model))?;
-        writeln!(out, "    {} damped sinusoids with as many numbers: {}", b.count, line(&b.sinusoids))?;
+        writeln!(out, "    {} with as many numbers: {}", b.named(), line(&b.sinusoids))?;
     }
     Ok(())
 }

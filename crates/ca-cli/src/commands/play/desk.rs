@@ -97,10 +97,10 @@ impl Desk {
         }
         let Some(made) = self.edit.turn(setups) else { return };
         let mut bad = made.is_err();
-        let made = made.and_then(|Made { version, drawing, said, softened }| {
+        let made = made.and_then(|Made { version, drawing, said, softened, setups }| {
             bad = softened;
             let (scene, anew) = (version.scene.clone(), version.anew);
-            recorder.swap(version, setups)?;
+            recorder.swap(version, &setups)?;
             self.generation += 1;
             self.coming.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));

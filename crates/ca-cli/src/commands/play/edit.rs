@@ -23,8 +23,10 @@ pub(super) struct Made {
     pub(super) drawing: Arc<Drawing>,
     /// its warnings, and keys that are softened, or nothing
     pub(super) said: String,
-    /// keys are softened
+    /// keys are softened, or too stiff
     pub(super) softened: bool,
+    /// devices as this version plays them
+    pub(super) setups: Vec<Setup>,
 }
 
 /// The files that a model takes parts from, and what became of it.
@@ -177,7 +179,8 @@ fn make(
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
     let compiled = load::scene(&loaded, &options).map_err(words)?;
     let met = coupling::meet(compiled, setups, &mut options, |options| load::scene(&loaded, options));
-    let (softened, compiled) = (met.said(), met.compiled);
+    let (softened, setups) = (met.said(), met.setups(setups));
+    let compiled = met.compiled;
     let drawing = Arc::new(Drawing::new(&compiled.scene));
     let mut warnings = compiled.findings;
     warnings.list.retain(|d| d.severity == Severity::Warning);
@@ -185,5 +188,5 @@ fn make(
     let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
     let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
-    Ok(Made { version, drawing, said, softened: !softened.is_empty() })
+    Ok(Made { version, drawing, said, softened: !softened.is_empty(), setups })
 }

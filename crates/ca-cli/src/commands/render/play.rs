@@ -2,8 +2,6 @@
 
 use crate::outcome::Failure;
 use crate::term;
-use ca_core::scene::Halves;
-use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_lab::play::Length;
 pub(crate) use ca_lab::play::{Audit, BLOCK, Played, audit};
@@ -82,24 +80,6 @@ pub(crate) fn play<'a>(
     let mut progress = Progress::new(length.frames, show);
     let played = ca_lab::play::play(p, length, block, &mut |p, rows, done| {
         heard(p, rows)?;
-        progress.step(done)
-    })?;
-    progress.end();
-    Ok(played)
-}
-
-/// As `play`, by two threads.
-pub(crate) fn play_halves<'a>(
-    p: Performance<'a>,
-    halves: &'a Halves,
-    gesture: Option<&Gesture>,
-    length: Length,
-    show: bool,
-    heard: &mut dyn FnMut(&[f64]) -> Result<(), Failure>,
-) -> Result<Played<'a>, Failure> {
-    let mut progress = Progress::new(length.frames, show);
-    let played = ca_lab::play::play_halves(p, halves, gesture, (length, BLOCK), &mut |rows, done| {
-        heard(rows)?;
         progress.step(done)
     })?;
     progress.end();

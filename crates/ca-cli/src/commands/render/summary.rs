@@ -10,7 +10,6 @@ use crate::term;
 use crate::term::short;
 use ca_core::Scene;
 use ca_core::kind::Unit;
-use ca_core::scene::Halves;
 use ca_core::scene::certificate::{Certificate, Level};
 use ca_core::scene::growth::Growth;
 use ca_core::state::Ledger;
@@ -52,8 +51,6 @@ pub(crate) struct Summary<'a> {
     pub refused: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
-    /// what two threads played
-    pub halves: Option<&'a Halves>,
 }
 
 /// What would make the loudest sample fit, as the end of a sentence.
@@ -218,11 +215,6 @@ impl Summary<'_> {
         if self.ended.faded {
             writeln!(out, "  ending     still sounds: its last 20 ms are faded; `--no-fade` leaves them")?;
         }
-        if let Some(h) = self.halves {
-            let s = if h.across == 1 { "" } else { "s" };
-            let (share, across) = (100.0 * h.share, h.across);
-            writeln!(out, "  threads    2; the larger half has {share:.0} % of the work, {across} link{s} across")?;
-        }
         let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
             .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.divergence.is_some())))
@@ -341,7 +333,6 @@ impl Summary<'_> {
             "slow": self.slow.iter().map(|(c, share)| json!({"channel": c, "share": share})).collect::<Vec<_>>(),
             "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
             "degraded": self.degraded(),
-            "threads": self.halves.map(|h| json!({"share": h.share, "across": h.across})),
         });
         writeln!(out, "{all:#}")?;
         Ok(())

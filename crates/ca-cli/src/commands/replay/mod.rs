@@ -6,9 +6,8 @@
 mod account;
 
 use crate::args::ReplayArgs;
-use crate::load::has_extension;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{load, outputs, term};
 use account::Account;
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
@@ -20,9 +19,9 @@ use std::io::Write as _;
 
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Outcome {
-    if let Some(path) = args.output.as_ref().filter(|p| !has_extension(p, "wav") && !p.exists()) {
-        let what = format!("`{}`: sound is written as WAV", path.display());
-        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
+    if let Some(path) = &args.output {
+        load::check_wav_path(path)?;
+        outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
     }
     let mut take = Take::open(&args.file)?;
     // the ledger changes no bit of what is played, which the comparison shows

@@ -11,9 +11,10 @@ mod played;
 mod take;
 
 use crate::args::ReportArgs;
+use crate::commands::render;
 use crate::load::has_extension;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::{page, term};
+use crate::{outputs, page, term};
 use ca_report::{Report, Weight};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -22,7 +23,10 @@ use std::path::{Path, PathBuf};
 pub fn run(args: &ReportArgs) -> Outcome {
     let source = Path::new(&args.source.model);
     let is_take = has_extension(source, "mcap");
-    args.output.as_deref().map_or(Ok(()), page::is_page)?;
+    if let Some(path) = &args.output {
+        page::is_page(path)?;
+        outputs::apart(&[("-o", path)], &render::inputs(&args.source.model, &args.playing.gesture))?;
+    }
     let (name, report) = if is_take { take::report(args, source)? } else { model::report(args)? };
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.html")));
     for (weight, text) in &report.notes {

@@ -49,7 +49,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     };
     load::warn(&loaded, &scene);
     crate::commands::border::idle(&args.source, &scene);
-    let gesture = render::gesture(&args.playing, &scene, args.output.as_deref().unwrap_or(Path::new("")))?;
+    let gesture = render::gesture(&args.playing, &scene)?;
     let performance = Performance::new(&scene, gesture.as_ref())?;
     let (seconds, length) = render::length(&args.playing, &performance);
     let frames = length.frames;

@@ -45,7 +45,10 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
                     if let Err(why) = change(&name, text.trim()) {
                         return Reply::refused(why);
                     }
-                    names.push(format!("{name} = {}: the model is made anew", text.trim()));
+                    names.push(format!(
+                        "{name} = {}: the model is made anew, or its terminal says why not",
+                        text.trim()
+                    ));
                 }
             }
             Reply::done(names.join(", "))

@@ -2,7 +2,7 @@
 //!
 //! Decides who does what: the engine thread computes, the gateway thread moves frames between shared memory and rings,
 //! files are written by threads of their own, and this one, the recorder, does everything else that may take its time. A
-//! model without devices gets no gateway and no shared memory; one without live parameters either gets no control; sound
+//! model without devices gets no gateway and no shared memory; one without live parameters and a page gets no control; sound
 //! goes to a device only where that is asked.
 
 mod answer;
@@ -15,9 +15,8 @@ mod talk;
 mod wav;
 
 use crate::args::{ClockKind, ServeArgs};
-use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
+use crate::{load, outputs, term};
 pub(super) use answer::{answer, param};
 use ca_compile::Options;
 use ca_haptic::coupling;
@@ -33,7 +32,7 @@ use ca_io::sound::{Format, WavOut};
 pub(crate) use frontend::{Desk, Frontend, Opening};
 pub(crate) use inputs::Inputs;
 pub(crate) use setup::devices;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
@@ -64,6 +63,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
 
 /// Plays in real time; in a page where there is one.
 pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome {
+    written(args)?;
     let loaded = load::load(&args.source)?;
     let mut options = Options {
         rate: args.source.rate,
@@ -76,7 +76,8 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     load::warn(&loaded, &compiled);
     let (setups, unknown) = setup::setups(args, &compiled.scene)?;
     let met = coupling::meet(compiled, &setups, &mut options, |options| load::scene(&loaded, options));
-    let (softened, scene) = (met.said(), Arc::new(met.compiled.scene));
+    let (softened, played) = (met.said(), met.setups(&setups));
+    let scene = Arc::new(met.compiled.scene);
     let names = devices(&scene);
     if args.clock == ClockKind::Device && names.is_empty() {
         return Err(Failure::Usage("--clock device: the model has no device".into()));
@@ -85,7 +86,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         term::note("the model has no device: nobody can play it from one; `ca play` lets you touch it in the browser");
     }
     let session = ca_haptic::host::session();
-    let engine = setup::engine(scene.clone(), &setups, session);
+    let engine = setup::engine(scene.clone(), &played, session);
 
     // on a busy machine the rings must be fetched from, and people heard, all the same; threads inherit it
     let busy = RtRequest { nice: (args.priority > 0).then_some(NICE), ..RtRequest::default() };
@@ -119,7 +120,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let mut unplayed = Unplayed(None);
     let header = || {
         let changes = args.source.changes().collect();
-        Header::new(&loaded.model, changes, options.clone(), &scene, setups.clone(), engine.options())
+        Header::new(&loaded.model, changes, options.clone(), &scene, played.clone(), engine.options())
     };
     let take = match &args.log {
         Some(path) => {
@@ -197,7 +198,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         for (name, granted) in &threads {
             term::note(&format!("{name}: {granted}"));
         }
-        for s in setups.iter().filter(|s| !s.profile.is_unknown()) {
+        for s in played.iter().filter(|s| !s.profile.is_unknown()) {
             term::note(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
         }
     }
@@ -238,6 +239,18 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         summary::text(&summary, &loaded.name, &files, traffic, scene.rate)?;
     }
     Ok(if summary.is_faithful() { Ended::Well } else { Ended::Degraded })
+}
+
+/// Refuses outputs that would be written over each other, or over what is read.
+fn written(args: &ServeArgs) -> Result<(), Failure> {
+    let file = |given: &'_ String| PathBuf::from(given.split_once('=').map_or(given.as_str(), |(_, file)| file));
+    let [profiles, calibrations] = [&args.profile, &args.calibration].map(|l| l.iter().map(file).collect::<Vec<_>>());
+    let mut inputs = vec![("the model", Path::new(&args.source.model))];
+    inputs.extend(profiles.iter().map(|p| ("a profile", &**p)));
+    inputs.extend(calibrations.iter().map(|p| ("a calibration", &**p)));
+    inputs.extend(args.midi.iter().chain(&args.osc_token).map(|p| ("an input", &**p)));
+    let sound = args.output.iter().map(|p| ("-o", &**p));
+    outputs::apart(&sound.chain(args.log.iter().map(|p| ("--log", &**p))).collect::<Vec<_>>(), &inputs)
 }
 
 /// Ctrl-C and SIGTERM end the session; once more, half a second later, the process, should something stand still. A handler

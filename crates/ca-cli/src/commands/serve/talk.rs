@@ -22,7 +22,7 @@ use std::time::Duration;
 /// Delay of claims by a server without the control, so that the server with the control is first.
 const SECOND: Duration = Duration::from_millis(300);
 
-/// Open lines; none for a scene that needs none.
+/// Open lines; none for a scene that needs none and has no page, since a page is ended and set by the control too.
 pub(super) struct Talk {
     names: Vec<String>,
     setups: Vec<Setup>,
@@ -62,7 +62,7 @@ impl Talk {
             gateway: None,
             events,
         };
-        if names.is_empty() && scene.live.params.is_empty() {
+        if names.is_empty() && scene.live.params.is_empty() && !page {
             return Ok(talk);
         }
         let site = Site::of_user()?;
@@ -72,8 +72,12 @@ impl Talk {
         match ControlServer::open(&site) {
             Ok(control) => talk.control = Some(control),
             Err(e) if page => {
-                let verbs = if names.is_empty() { "`ca set` does" } else { "`ca set`, `ca arm` and `ca disarm` do" };
-                term::note(&format!("{verbs} not reach this one, its page does: {}", e.what));
+                let verbs = if names.is_empty() {
+                    "`ca set` and `ca stop`"
+                } else {
+                    "`ca set`, `ca stop`, `ca arm` and `ca disarm`"
+                };
+                term::note(&format!("{verbs} do not reach this one, its page does: {}", e.what));
             }
             Err(e) => return Err(e.into()),
         }

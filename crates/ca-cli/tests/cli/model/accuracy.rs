@@ -234,7 +234,7 @@ fn single_precision_is_a_way() {
     let body = "[room]\ndim = 3\n[room.TETRA]\np = { edge = \"2 cm\", m = \"1 g\", k = \"8 kN/m\", spin = [\"3 Hz\", 0, 0] }\n[SOF]\nout = { from = \"room.p.link[0]\" }\n";
     let kinds = ca_lab::catalog();
     let lpr = kinds.iter().find(|k| k.code.starts_with("LPR")).expect("a quadripole");
-    for (text, reason) in [(body, "a distance in space"), (lpr.example, "in double precision only")] {
+    for (text, reason) in [(body, "a distance in space"), (lpr.example, "a distance in space")] {
         let found = measured(text, &["--seconds", "0.01", "--times", "1", "--reference", "4"]);
         let why = found["refused"].as_array().expect("a list").iter().find(|r| r["method"] == "single");
         assert!(why.is_some_and(|r| r["why"].as_str().is_some_and(|w| w.contains(reason))), "{found:#}");

@@ -104,3 +104,16 @@ fn degrees_of_freedom_end_at_their_number() {
     assert_eq!((&last["keys"][0]["there"], &beyond["keys"][0]["there"], code), (&true.into(), &false.into(), 3));
     assert!(said.contains("beyond the 3 it has"), "{said}");
 }
+
+/// A key that is held by a power law alone has no link to name in front of what it does.
+#[test]
+fn a_law_that_stiffens_begins_a_line_by_itself() {
+    let desk = Desk::new();
+    let text = "[TGR]\nkey = { device = \"tgr12\", dof = 0 }\n[SOL]\nwall = { dx0 = \"-1 mm\" }\n[MAS]\nbob = { m = \"10 g\", dx0 = \"1 mm\" }\n\
+                [REF]\nspring = { between = [\"wall\", \"bob\"], k = 20000, z = 0.1 }\n\
+                [HRZ]\nhit = { between = [\"key\", \"bob\"], k = 1e9 }\n[SOX]\nout = { from = \"bob\", gain = 100 }\n";
+    desk.put("key.ca.toml", text);
+    let r = desk.ca(&["check", "key.ca.toml", "--device", "tgr12"]);
+    assert!(r.out.lines().any(|l| l.trim_start().starts_with("it stiffens within the travel")), "{}\n{}", r.out, r.err);
+    assert!(r.out.lines().all(|l| !l.trim_start().starts_with(';')), "{}", r.out);
+}

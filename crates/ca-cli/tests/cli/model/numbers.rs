@@ -116,6 +116,21 @@ fn a_link_that_makes_most_of_the_energy_is_named() {
     }
 }
 
+/// A pluck that is unstable while it holds makes hundreds of joules from millijoules, part of which its viscosity takes again.
+#[test]
+fn energy_that_viscosity_takes_again_is_not_received() {
+    let desk = Desk::new();
+    for z in [97, 200, 300] {
+        let text = format!(
+            "[MAS]\na = {{ m = \"1 g\", x = \"1 mm\", v = \"-1 m/s\" }}\n[SOL]\ng = {{}}\n\
+             [PLK]\nc = {{ between = [\"g\", \"a\"], k = \"1 kN/m\", z = {z}, d = \"1 cm\" }}\n\
+             [SOX]\no = {{ from = \"a\", gain = 0.001 }}\n"
+        );
+        desk.put("model.ca.toml", &text);
+        desk.ca(&["render", "model.ca.toml", "--seconds", "2"]).is(3).says(&["`c` made ", "out of nothing"]);
+    }
+}
+
 /// What a certificate is about, in the commands that show it.
 #[test]
 fn what_was_not_judged_and_what_has_no_limit_is_said() {

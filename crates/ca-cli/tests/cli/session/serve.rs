@@ -189,3 +189,38 @@ fn a_build_without_sound_devices_says_how_to_get_them() {
     }
     assert_eq!(desk.files(), ["key.ca.toml"]);
 }
+
+/// Two outputs into one file leave one of them; an input that is written over is lost.
+#[test]
+fn outputs_have_files_of_their_own() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL).put("x.csv", "time,x\n0,0\n1,0.001\n").put("own.toml", "name = 1\n");
+    std::os::unix::fs::symlink("xx.wav", desk.path("link.mcap")).unwrap();
+    std::os::unix::fs::symlink("key.ca.toml", desk.path("key.wav")).unwrap();
+    let before = desk.files();
+    for command in ["serve", "play"] {
+        for log in ["xx.wav", "./xx.wav", "link.mcap"] {
+            let line = [command, "key.ca.toml", "--seconds", "0.1", "-o", "xx.wav", "--log", log];
+            desk.ca(&line).is(2).says(&["would be written twice, by `-o` and `--log`"]);
+        }
+        desk.ca(&[command, "key.ca.toml", "--seconds", "0.1", "-o", "key.wav"]).is(2).says(&["is the model"]);
+    }
+    desk.ca(&["render", "key.ca.toml", "-o", "key.wav"]).is(2).says(&["is the model"]);
+    let sim = ["device", "sim", "--seconds", "0.1", "--force-log"];
+    desk.ca(&[&sim[..], &["x.csv", "--script", "file", "--gesture", "x.csv"]].concat()).is(2).says(&["is the gesture"]);
+    desk.ca(&[&sim[..], &["own.toml", "--profile", "./own.toml"]].concat()).is(2).says(&["is the profile"]);
+    assert_eq!(desk.files(), before);
+    assert!(std::fs::read_to_string(desk.path("x.csv")).unwrap().starts_with("time"));
+    desk.ca(&["device", "sim", "--wait", "--script", "push"]).is(2).says(&["--wait", "no beginning"]);
+}
+
+/// A file of events with times is not a stream of them, and times are also given in minutes.
+#[test]
+fn what_is_not_raw_midi_says_what_plays_it() {
+    let desk = Desk::new();
+    desk.put("key.ca.toml", MODEL).put("tune.mid", "MThd....");
+    let line = ["serve", "key.ca.toml", "--seconds", "0.1", "--midi", "tune.mid"];
+    desk.ca(&line).is(2).says(&["Standard MIDI File", "--gesture tune.mid"]);
+    desk.ca(&["render", "no.ca.toml", "--seconds", "1 min"]).is(2).says(&["no such file"]);
+    desk.ca(&["render", "no.ca.toml", "--seconds", "1441 min"]).is(2).says(&["86400 s"]);
+}

@@ -133,10 +133,6 @@ fn a_midi_file_is_played_until_its_last_note_has_died_away() {
     // what does not die away ends 10 s after the last event
     let long = frames(&KEYS.replace("t60 = \"0.2 s\"", "t60 = \"1000 s\""), &midi);
     assert!((long - 11.251).abs() < 1e-3, "{long}");
-    // by two threads as by one
-    let two = KEYS.replace("[ENF]", "tip = { m = \"2 g\", f = \"440 Hz\", t60 = \"0.2 s\" }\n[RES]\ntie = { between = [\"bar\", \"tip\"], k = 50 }\n[ENF]");
-    let one = frames(&two, &midi);
-    assert_eq!(frames(&two, &[&midi[..], &["--threads", "2"]].concat()), one);
 }
 
 /// A piano has 88 keys, a frame of a device 32 places.

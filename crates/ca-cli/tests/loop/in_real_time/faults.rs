@@ -55,7 +55,8 @@ wall = {}
 [LNL]
 cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13, 0], [1, 1.4e308]] }
 "#;
-    let long = crate::stage::PROFILE.replace("0.01", "0.5");
+    // without a coupling, which this cliff would need
+    let long = crate::stage::PROFILE.replace("0.01", "0.5") + "coupling = false\n";
     stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("wild.ca.toml", &["--quiet"]);

@@ -4,8 +4,9 @@
 //! what the one before has decided and none asks another.
 
 use crate::emit::plan::Plan;
+use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::numeric::Real;
+use ca_core::numeric::Precision;
 use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
 
 /// In place of a link between two rows that run as one: it has no force.
@@ -93,7 +94,7 @@ impl Mesh {
     }
 }
 
-/// True where numbers of the tick are as wide as vectors of eight are made for.
-pub fn can_fold() -> bool {
-    size_of::<Real>() == size_of::<f64>()
+/// True where the tick is over the number that folded rows are made for.
+pub fn can_fold(net: &Pruned) -> bool {
+    net.precision == Precision::Double
 }

@@ -20,7 +20,7 @@ use ca_core::state::Fold;
 /// they are looked up one by one.
 fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide;
-    let mut folds: Vec<bool> = batches.iter().map(|b| can_fold() && wide(b)).collect();
+    let mut folds: Vec<bool> = batches.iter().map(|b| can_fold(plan.net) && wide(b)).collect();
     let mut owner: Vec<u32> = alloc::vec![u32::MAX; plan.coef_slots()];
     for (i, b) in batches.iter().enumerate().filter(|(i, _)| folds[*i]) {
         owner[b.slot(plan) as usize..][..b.masses()].fill(i as u32);

@@ -30,7 +30,7 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
     let added = Added::new(plan, batches);
     let fits = |b: &Batch| b.stride > 0 && b.law.linear && b.law.mem == 0 && b.law.coefs <= COEFS;
     // a mesh is folded, which not all laws are
-    let folds = |b: &Batch| b.law.wide && can_fold() && fits(b);
+    let folds = |b: &Batch| b.law.wide && can_fold(net) && fits(b);
     let found = bands::meshes(plan, batches, &added, folds, |range| class_of(&classes[range]).is_some());
     for (mesh, of) in found {
         let classes = &mut classes[mesh.first as usize..][..mesh.slots as usize];
@@ -105,7 +105,7 @@ pub fn fuse(passes: &mut Passes) -> usize {
             let Some(law) = op.law else { continue };
             let form = Form { stride: 1, ..op.form };
             moves.extend(part(at, op.mat));
-            moves.push(Op { kernel: (law.kernel)(form), form, tap: 1, ..op });
+            moves.push(Op { kernel: (law.fns.kernel)(form), form, tap: 1, ..op });
             // a folded row has as many links as masses
             at = op.mat + op.n + usize::from(!form.folded);
         }

@@ -8,7 +8,6 @@ use crate::options::Options;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use ca_core::live::{Loader, Source};
-use ca_core::numeric::real;
 use ca_core::op::layout::{HeardLink, PairSet};
 use ca_core::op::{Band, Form, Integrate, Law, MeasureKind, Op, Ports, SolveStage};
 use ca_core::state::Fold;
@@ -164,8 +163,11 @@ impl Plan<'_> {
             if some_heard && !tap {
                 let coefs = law.coefs as u32;
                 for (i, l) in batch.iter().enumerate().filter(|(_, l)| heard.contains(l)) {
-                    let (ends, e0, coef, tap) = (self.ends(*l), real(k.e0[first + i]), (coef + i) as u32, k.tap as u32);
-                    k.heard.push((*l, HeardLink { force: law.force, ends, e0, coef, step: n as u32, coefs, tap }));
+                    let (ends, e0, coef, tap) = (self.ends(*l), k.e0[first + i], (coef + i) as u32, k.tap as u32);
+                    k.heard.push((
+                        *l,
+                        HeardLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap },
+                    ));
                     k.tap += 1;
                 }
             }
@@ -173,18 +175,17 @@ impl Plan<'_> {
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
             let soften = measure == MeasureKind::Radial && k.reach[ports.reach..].iter().any(|r| r[3] != 0.0);
             let form = Form { stride, hub, offset, tap, measure, onto, set, soften, ..Form::default() };
-            let kernel = (law.kernel)(form);
             // what is folded stands in a row to the pass that integrates, to no other
-            let mut op = Op::pass(law.code, kernel, n);
+            let mut op = Op::links(law, law.fns, form, n);
             let form = Form { integrate, folded, band, ..form };
-            op = Op { law: Some(law), form, ports, first, coef, mem: k.mem, mat: mat as usize, ..op };
+            op = Op { form, ports, first, coef, mem: k.mem, mat: mat as usize, ..op };
             if tap {
                 op.tap = k.tap;
                 // of a set, the force on each axis of each member
                 k.tap += ports.pair_set.map_or(n, |c| 3 * k.pair_sets[c].members.len());
             }
             k.mem += n * law.mem;
-            k.touch += if matches!(law.stage, SolveStage::Coupled(_)) { n } else { 0 };
+            k.touch += if matches!(law.stage, SolveStage::Coupled) { n } else { 0 };
             k.forces.push(op);
         }
         k

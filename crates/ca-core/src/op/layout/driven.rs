@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 
 /// A parameter that a port drives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Driven {
+pub struct Driven<R: Real = f64> {
     /// the port: a place in [`State::input`](crate::state::State::input)
     pub input: u32,
     /// where the port is at the smallest and at the largest value of the parameter \[m\] or \[N\]
@@ -18,5 +18,5 @@ pub struct Driven {
     /// the coefficients that it reaches: indices into [`LivePlan::coefs`](crate::live::LivePlan::coefs) (places)
     pub places: Vec<u32>,
     /// their values at equal steps of the parameter (rows x places)
-    pub table: Vec<Real>,
+    pub table: Vec<R>,
 }

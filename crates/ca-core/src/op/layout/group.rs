@@ -5,6 +5,7 @@
 //! copies that move from outside, as device ports do, so that links across, outputs and names find them.
 
 use super::Layout;
+use crate::numeric::Real;
 use crate::op::Op;
 use alloc::vec::Vec;
 
@@ -32,17 +33,17 @@ pub struct Response {
 
 /// The groups at the gesture rate.
 #[derive(Clone, Default)]
-pub struct SlowGroup {
+pub struct SlowGroup<R: Real = f64> {
     /// its arrays; the tick is a gesture frame
-    pub layout: Layout,
+    pub layout: Layout<R>,
     /// its ledger, where there is one
-    pub reads: Vec<Op>,
+    pub reads: Vec<Op<R>>,
     /// forces within it
-    pub forces: Vec<Op>,
+    pub forces: Vec<Op<R>>,
     /// what looks at all forces on it
-    pub after: Vec<Op>,
+    pub after: Vec<Op<R>>,
     /// integration
-    pub moves: Vec<Op>,
+    pub moves: Vec<Op<R>>,
     /// places whose copies move in every tick; those that links across hold come first
     pub ports: Vec<Copied>,
     /// how many links across hold

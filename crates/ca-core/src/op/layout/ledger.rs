@@ -2,7 +2,8 @@
 
 use super::Ports;
 use crate::law::Idle;
-use crate::op::Energies;
+use crate::numeric::Real;
+use crate::op::{Energies, Law};
 use alloc::vec::Vec;
 
 /// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
@@ -38,7 +39,7 @@ impl Row {
 
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
-pub struct Account {
+pub struct Account<R: Real = f64> {
     /// its place in the list of passes that sum forces
     pub op: usize,
     /// number of links
@@ -53,27 +54,25 @@ pub struct Account {
     pub mem: usize,
     /// first index into `State::tap`, as in a pass
     pub tap: usize,
-    /// coefficients per link
-    pub coefs: usize,
-    /// numbers of memory per link
-    pub mems: usize,
+    /// the law of the links
+    pub law: &'static Law,
     /// true where the identity holds exactly, so that nothing can be made
     pub linear: bool,
     /// true where a coefficient may change while playing, or an end is a point that moves
     pub live: bool,
     /// what it stores between two ticks, and loses in one
-    pub energies: Energies,
+    pub energies: Energies<R>,
     /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
     pub rows: [Row; 2],
     /// where there is no force, for contacts
-    pub idle: Idle,
+    pub idle: Idle<R>,
 }
 
 /// What the ledger needs to find its way.
 #[derive(Clone, Default)]
-pub struct LedgerPlan {
+pub struct LedgerPlan<R: Real = f64> {
     /// batches of links, in the order of the passes
-    pub accounts: Vec<Account>,
+    pub accounts: Vec<Account<R>>,
     /// coefficient of the first weighed MAT
     pub weight: usize,
     /// true where a coefficient of a MAT, or its weight, may change while playing

@@ -18,10 +18,9 @@ pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
-use super::Vectors;
+use super::{Op, Vectors};
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Outer, Real, Table};
-use crate::state::State;
+use crate::numeric::{Real, Table};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -79,13 +78,13 @@ impl PairSet {
 
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Enx {
+pub struct Enx<R: Real = f64> {
     /// index into [`State::input`]
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
     /// its rest position \[m\]; the input is absolute
-    pub rest: Outer,
+    pub rest: R::Outer,
     /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
     /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
     pub implicit: bool,
@@ -143,6 +142,17 @@ pub struct Crossing {
     pub feedback: bool,
 }
 
+/// How device ports cross the border: by their [`Shape`], or tick by tick where a frame has one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// one tick a frame
+    Synchronous,
+    /// [`Shape::Linear`]
+    Linear,
+    /// [`Shape::Hold`]
+    Hold,
+}
+
 impl Default for Crossing {
     fn default() -> Crossing {
         Crossing { shape: Shape::Linear, latency: 0, feedback: true }
@@ -152,7 +162,7 @@ impl Default for Crossing {
 /// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
 /// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ImplicitLinks {
+pub struct ImplicitLinks<R: Real = f64> {
     /// slots in the state, in the order of elimination (n)
     pub places: Vec<u32>,
     /// pattern of its factor
@@ -160,7 +170,7 @@ pub struct ImplicitLinks {
     /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
     pub coef: usize,
     /// links whose whole force somebody needs
-    pub forces: Vec<LinkForce>,
+    pub forces: Vec<LinkForce<R>>,
     /// links that share no mass with another such (any)
     pub pairs: Vec<Pair>,
 }
@@ -176,34 +186,31 @@ pub struct Pair {
 
 /// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct LinkForce {
+pub struct LinkForce<R: Real = f64> {
     /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
     /// index into [`State::tap`]
     pub tap: Option<u32>,
     /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
-    pub moving: Vec<(u32, Real)>,
+    pub moving: Vec<(u32, R)>,
     /// the same for slots in the state that no force moves
-    pub fixed: Vec<(u32, Real)>,
+    pub fixed: Vec<(u32, R)>,
 }
-
-/// What runs between two samples.
-pub type SubstepFn = Arc<dyn Fn(&Layout, &mut State) + Send + Sync>;
 
 /// A sample of several ticks.
 #[derive(Clone)]
-pub struct Substeps {
+pub struct Substeps<R: Real = f64> {
     /// ticks in a sample, R
     pub times: u32,
-    /// one tick between two samples; a function, since what a pass is lies above what it reads
-    pub tick: SubstepFn,
+    /// the passes of one tick between two samples
+    pub tick: Arc<[Op<R>]>,
     /// indices into [`State::input`] that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
 
 /// The arrays.
 #[derive(Clone, Default)]
-pub struct Layout {
+pub struct Layout<R: Real = f64> {
     /// sound sample \[s\], 1/rate
     pub sample_dt: f64,
     /// sound samples per gesture frame
@@ -232,7 +239,7 @@ pub struct Layout {
     pub onto: Vec<[u32; 2]>,
     /// what a port in space needs beside its ends: for [`MeasureKind::Radial`] the vector between the ends at rest \[m\] and
     /// the square of the softening length \[m²\], for [`MeasureKind::Along`] the direction and nothing (any x 4)
-    pub reach: Vec<[Real; 4]>,
+    pub reach: Vec<[R; 4]>,
     /// for each entry of `reach` how many links of its batch, from that one on, are a row: they join points that follow each
     /// other on both sides, the second ends behind the first, as far apart at rest as `rest` says. Or, below 0, how many are
     /// none (as `reach`)
@@ -240,9 +247,9 @@ pub struct Layout {
     /// sets of which all pairs are joined (any)
     pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)
-    pub e0: Vec<Real>,
+    pub e0: Vec<R>,
     /// rest positions \[m\] (n_mat)
-    pub rest: Vec<Real>,
+    pub rest: Vec<R>,
     /// nodes under moving points (any)
     pub nodes: Vec<u32>,
     /// moving points (any)
@@ -250,31 +257,31 @@ pub struct Layout {
     /// masses in groups that go by their modes (any)
     pub modal: Vec<Modal>,
     /// their shares in the modes (any)
-    pub shares: Vec<Real>,
+    pub shares: Vec<R>,
     /// those of the masses at which links count on the motion to come, group by group (any)
     pub solved_modal: Vec<SolvedModal>,
     /// groups with several of these (any)
     pub modal_couplings: Vec<ModalCoupling>,
     /// how much a force on one of them moves another, as a part of what one on that itself does (any)
-    pub couplings: Vec<Real>,
+    pub couplings: Vec<R>,
     /// tables of laws (any)
-    pub tables: Vec<Table>,
+    pub tables: Vec<Table<R>>,
     /// position ports (any)
-    pub enx: Vec<Enx>,
+    pub enx: Vec<Enx<R>>,
     /// force ports (any)
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
-    pub tgr: Vec<Enx>,
+    pub tgr: Vec<Enx<R>>,
     /// parameters that ports drive (any)
-    pub driven: Vec<Driven>,
+    pub driven: Vec<Driven<R>>,
     /// how they cross it
     pub crossing: Crossing,
     /// waveguides
-    pub waves: Waves,
+    pub waves: Waves<R>,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
     /// links of fused passes whose forces are heard (any)
-    pub heard: Vec<HeardLink>,
+    pub heard: Vec<HeardLink<R>>,
     /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
     pub outputs: Vec<Output>,
     /// how many of them hear motion: as it is, and through a high pass. A list of their own, so that the others need not be asked
@@ -283,22 +290,31 @@ pub struct Layout {
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
     pub output_rows: Vec<OutputRow>,
     /// the high passes of the last of them (any)
-    pub blockers: Vec<DcBlocker>,
+    pub blockers: Vec<DcBlocker<R>>,
     /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
-    pub lowpass: Vec<Real>,
+    pub lowpass: Vec<R>,
     /// what is solved in each tick, where implicit links are solved together
-    pub implicit: Option<ImplicitLinks>,
+    pub implicit: Option<ImplicitLinks<R>>,
     /// what the ledger needs, where the scene keeps one
-    pub ledger: Option<LedgerPlan>,
+    pub ledger: Option<LedgerPlan<R>>,
     /// groups at the gesture rate
-    pub slow: Option<Arc<SlowGroup>>,
+    pub slow: Option<Arc<SlowGroup<R>>>,
     /// where a sample has several ticks
-    pub substeps: Option<Substeps>,
+    pub substeps: Option<Substeps<R>>,
     /// the vectors its passes use; the bits are the same with all
     pub vectors: Vectors,
 }
 
-impl Layout {
+impl<R: Real> Layout<R> {
+    /// How device ports cross the border.
+    pub fn way(&self) -> Way {
+        match (self.frame, self.crossing.shape) {
+            (1, _) => Way::Synchronous,
+            (_, Shape::Linear) => Way::Linear,
+            (_, Shape::Hold) => Way::Hold,
+        }
+    }
+
     /// Ticks in a sample: 1, unless the model asks for more.
     pub fn oversample(&self) -> u32 {
         self.substeps.as_ref().map_or(1, |f| f.times)

@@ -2,6 +2,7 @@
 
 use crate::law::Force;
 use crate::numeric::Real;
+use crate::op::Law;
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,14 +16,16 @@ pub enum Tap {
 }
 
 /// A linear link of a fused pass whose force is heard.
-#[derive(Clone, Copy, Debug)]
-pub struct HeardLink {
+#[derive(Clone, Copy)]
+pub struct HeardLink<R: Real = f64> {
     /// its law
-    pub force: Force,
+    pub law: &'static Law,
+    /// the force of its law
+    pub force: Force<R>,
     /// slots of its ends
     pub ends: [u32; 2],
     /// constant part of its elongation \[m\]
-    pub e0: Real,
+    pub e0: R,
     /// index of its first coefficient, and from one to the next
     pub coef: u32,
     /// see `coef`
@@ -55,9 +58,9 @@ pub struct OutputRow {
 
 /// The high pass of an output, y ← r·y + g·(v − v′).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DcBlocker {
+pub struct DcBlocker<R: Real = f64> {
     /// what stays of y each tick
-    pub r: Real,
+    pub r: R,
     /// gain
-    pub g: Real,
+    pub g: R,
 }

@@ -23,7 +23,7 @@ const LANES: usize = Fold::LANES;
 /// [`State::tap`].
 pub struct Banded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body
+impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<f64>
     for Banded<P, C, M, OFFSET, OWN>
 {
     #[inline(always)]

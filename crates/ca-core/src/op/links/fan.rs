@@ -18,49 +18,49 @@ const SIDE_BY_SIDE: usize = 4;
 /// Applies the law of `op` to its links.
 pub struct Fan<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Fan<P, C, M, OFFSET> {
+impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body<R> for Fan<P, C, M, OFFSET> {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let [first, second] = layout.ends[op.first].map(|m| m as usize);
         if op.form.hub == Hub::First {
-            links::<P, C, M, OFFSET, true>(op, layout, s, first, second);
+            links::<R, P, C, M, OFFSET, true>(op, layout, s, first, second);
         } else {
-            links::<P, C, M, OFFSET, false>(op, layout, s, second, first);
+            links::<R, P, C, M, OFFSET, false>(op, layout, s, second, first);
         }
     }
 }
 
 /// The links between `hub`, which is their first end where `FIRST`, and the places from `row` on.
 #[inline(always)]
-fn links<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
     hub: usize,
     row: usize,
 ) {
     let n = op.n;
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
     let coef = &s.coef[op.coef..][..C * n];
-    let columns: [&[Real]; C] = core::array::from_fn(|k| &coef[k * n..][..n]);
+    let columns: [&[R]; C] = core::array::from_fn(|k| &coef[k * n..][..n]);
     let (at, sum) = ([s.x[hub], s.d[hub]], s.f[hub]);
     let (x, d, f) = (&s.x[row..][..n], &s.d[row..][..n], &mut s.f[row..][..n]);
-    s.f[hub] = each::<P, C, M, OFFSET, FIRST>([x, d], f, e0, &columns, (at, sum));
+    s.f[hub] = each::<R, P, C, M, OFFSET, FIRST>([x, d], f, e0, &columns, (at, sum));
 }
 
 /// The loop over a row; returns the sum on the hub. A function of its own, so that the compiler knows that what is written is
 /// none of what is read.
 #[inline(always)]
-fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
-    [x, d]: [&[Real]; 2],
-    f: &mut [Real],
-    e0: &[Real],
-    columns: &[&[Real]; C],
-    (hub, mut sum): ([Real; 2], Real),
-) -> Real {
+fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
+    [x, d]: [&[R]; 2],
+    f: &mut [R],
+    e0: &[R],
+    columns: &[&[R]; C],
+    (hub, mut sum): ([R; 2], R),
+) -> R {
     let ((xs, x), (ds, d)) = (x.as_chunks::<SIDE_BY_SIDE>(), d.as_chunks::<SIDE_BY_SIDE>());
     let ((e0s, e0), (fs, f)) = (e0.as_chunks::<SIDE_BY_SIDE>(), f.as_chunks_mut::<SIDE_BY_SIDE>());
-    let chunks: [&[[Real; SIDE_BY_SIDE]]; C] = columns.map(|c| &c.as_chunks::<SIDE_BY_SIDE>().0[..fs.len()]);
+    let chunks: [&[[R; SIDE_BY_SIDE]]; C] = columns.map(|c| &c.as_chunks::<SIDE_BY_SIDE>().0[..fs.len()]);
     let from = fs.len() * SIDE_BY_SIDE;
     for (i, ((f, x), d)) in fs.iter_mut().zip(xs).zip(ds).enumerate() {
         let e0 = if OFFSET { e0s[i] } else { [real(0.0); SIDE_BY_SIDE] };
@@ -70,7 +70,7 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const 
             for column in 0..C {
                 c[column] = chunks[column][i][k];
             }
-            force[k] = one::<P, C, M, OFFSET, FIRST>(&c, hub, [x[k], d[k]], e0[k]);
+            force[k] = one::<R, P, C, M, OFFSET, FIRST>(&c, hub, [x[k], d[k]], e0[k]);
         }
         for k in 0..SIDE_BY_SIDE {
             f[k] = if FIRST { f[k] - force[k] } else { f[k] + force[k] };
@@ -81,7 +81,7 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const 
     }
     for (i, ((f, x), d)) in f.iter_mut().zip(x).zip(d).enumerate() {
         let c = core::array::from_fn(|column| columns[column][from + i]);
-        let force = one::<P, C, M, OFFSET, FIRST>(&c, hub, [*x, *d], if OFFSET { e0[i] } else { real(0.0) });
+        let force = one::<R, P, C, M, OFFSET, FIRST>(&c, hub, [*x, *d], if OFFSET { e0[i] } else { real(0.0) });
         if FIRST {
             *f -= force;
             sum += force;
@@ -95,12 +95,12 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const 
 
 /// The force of one link.
 #[inline(always)]
-fn one<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
-    c: &[Real; C],
-    hub: [Real; 2],
-    place: [Real; 2],
-    e0: Real,
-) -> Real {
+fn one<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
+    c: &[R; C],
+    hub: [R; 2],
+    place: [R; 2],
+    e0: R,
+) -> R {
     let (mut e, w) =
         if FIRST { (place[0] - hub[0], place[1] - hub[1]) } else { (hub[0] - place[0], hub[1] - place[1]) };
     if OFFSET {

@@ -24,7 +24,7 @@ pub(super) const LANES: usize = Fold::LANES;
 /// `op.mat` on, and have springs and dampers of their own where `OWN`.
 pub struct Folded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body
+impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<f64>
     for Folded<P, C, M, OFFSET, OWN>
 {
     #[inline(always)]

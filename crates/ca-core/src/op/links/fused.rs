@@ -19,16 +19,16 @@ use core::marker::PhantomData;
 /// springs and dampers of their own where `OWN`.
 pub struct Fused<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body
+impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<R>
     for Fused<P, C, M, OFFSET, OWN>
 {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        run::links::<P, C, M, OFFSET>(op, layout, s);
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+        run::links::<R, P, C, M, OFFSET>(op, layout, s);
         let (n, masses, first) = (layout.n_mat, op.n + 1, op.tap - 1);
         (s.tap[first], s.tap[first + masses]) = (real(0.0), real(0.0));
         let [before, behind] = [first, first + 1].map(|at| &s.tap[at..][..masses]);
-        let [p, q, c]: [&[Real]; 3] = [0, 1, 2].map(|k| &s.coef[k * n + op.mat..][..masses]);
+        let [p, q, c]: [&[R]; 3] = [0, 1, 2].map(|k| &s.coef[k * n + op.mat..][..masses]);
         let (x, d, f) = (&mut s.x[op.mat..][..masses], &mut s.d[op.mat..][..masses], &mut s.f[op.mat..][..masses]);
         for i in 0..masses {
             let sum = (behind[i] - before[i]) + f[i];

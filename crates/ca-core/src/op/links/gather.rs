@@ -8,15 +8,15 @@ use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Applies the law of `op` to each of its links.
-pub fn gather<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const TAP: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const TAP: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
 ) {
     let n = op.n;
     let ends = &layout.ends[op.first..][..n];
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     // of one length, so that an end is looked up once in each and compared with it once
     let x = &s.x[..];
     let (d, f) = (&s.d[..x.len()], &mut s.f[..x.len()]);

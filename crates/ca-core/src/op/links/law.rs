@@ -2,9 +2,9 @@
 
 use super::choose::kernel;
 use crate::law::Phi;
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 use crate::op::account::{Energies, numbers};
-use crate::op::{Law, ParamBinding, SolveStage};
+use crate::op::{Law, LawFns, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
 impl Law {
@@ -16,9 +16,9 @@ impl Law {
     }
 
     /// Its memory at load, for elongation `e` of ends that stand still.
-    pub fn started(&self, c: &[Real], e: Real) -> Vec<Real> {
-        let mut mem = alloc::vec![real(0.0); self.mem];
-        (self.start)(c, [e, real(0.0)], &mut mem);
+    pub fn started(&self, c: &[f64], e: f64) -> Vec<f64> {
+        let mut mem = alloc::vec![0.0; self.mem];
+        (self.fns.start)(c, [e, 0.0], &mut mem);
         mem
     }
 
@@ -34,20 +34,11 @@ impl Law {
             stage: SolveStage::Explicit,
             implicit: false,
             load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
-            start: |c, [e, _], mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),
-            force: |c, mem, tables, e, w| {
-                let mut m = numbers(mem);
-                let f = P::force(&numbers(c), &mut m, tables, e, w);
-                mem[..M].copy_from_slice(&m);
-                f
-            },
-            energies: Energies::of::<P, C, M>(),
-            idle: |c| P::idle(&numbers(c)),
             bound: |c, tables| P::bound(&numbers(c), tables),
             steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
-            kernel: kernel::<P, C, M>,
             simpler: |_| None,
             table: None,
+            fns: LawFns::of::<P, C, M>(),
         }
     }
 
@@ -68,5 +59,23 @@ impl Law {
     pub const fn with_table(mut self, table: fn() -> Table) -> Law {
         self.table = Some(table);
         self
+    }
+}
+
+impl<R: Real> LawFns<R> {
+    /// Those of a [`Phi`].
+    pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> LawFns<R> {
+        LawFns {
+            start: |c, [e, _], mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),
+            force: |c, mem, tables, e, w| {
+                let mut m = numbers(mem);
+                let f = P::force(&numbers(c), &mut m, tables, e, w);
+                mem[..M].copy_from_slice(&m);
+                f
+            },
+            energies: Energies::of::<P, C, M>(),
+            idle: |c| P::idle(&numbers(c)),
+            kernel: kernel::<R, P, C, M>,
+        }
     }
 }

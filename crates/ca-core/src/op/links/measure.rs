@@ -19,29 +19,29 @@ use nalgebra::Vector3;
 
 /// What a port measured.
 #[derive(Clone, Copy, Debug)]
-pub struct Elongation {
+pub struct Elongation<R: Real = f64> {
     /// its part of the elongation \[m\]
-    pub e: Real,
+    pub e: R,
     /// the change of that in this tick \[m/tick\]
-    pub w: Real,
+    pub w: R,
     /// the vector between the ends, or the direction
-    pub v: Vector3<Real>,
+    pub v: Vector3<R>,
     /// the length of that
-    pub l: Real,
+    pub l: R,
 }
 
-impl Elongation {
+impl<R: Real> Elongation<R> {
     /// Gradient of the elongation against the second end; its negative against the first.
-    pub fn gradient(&self) -> Vector3<Real> {
-        self.v / self.l.max(Real::MIN_POSITIVE)
+    pub fn gradient(&self) -> Vector3<R> {
+        self.v / self.l.max(R::MIN_POSITIVE)
     }
 }
 
 /// Force per length along a vector of length `l`; nothing where it has none.
 #[inline(always)]
-pub fn density(force: Real, l: Real) -> Real {
+pub fn density<R: Real>(force: R, l: R) -> R {
     // in this order, so that what is not a number stays so
-    if l == 0.0 { real(0.0) } else { force / l }
+    if l == R::ZERO { real(0.0) } else { force / l }
 }
 
 /// A way of measuring, as a type, for kernels.
@@ -50,22 +50,22 @@ pub trait Measure {
     const SPACE: bool;
 
     /// Measures between the places `a` and `b`, the change by their motion.
-    fn measure(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Elongation;
+    fn measure<R: Real>(x: &[R], d: &[R], ends: [usize; 2], reach: &[R; 4]) -> Elongation<R>;
 
     /// The same for what is measured in every tick: a distance is compared with the `last` one and takes its place. Where that
     /// is [`UNKNOWN`](crate::state::UNKNOWN), it is had from motion.
     #[inline(always)]
-    fn follow(x: &[Real], d: &[Real], ends: [usize; 2], reach: &[Real; 4], _last: &mut Real) -> Elongation {
+    fn follow<R: Real>(x: &[R], d: &[R], ends: [usize; 2], reach: &[R; 4], _last: &mut R) -> Elongation<R> {
         Self::measure(x, d, ends, reach)
     }
 
     /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
-    fn square(_x: &[Real], _ends: [usize; 2], _reach: &[Real; 4]) -> Option<Real> {
+    fn square<R: Real>(_x: &[R], _ends: [usize; 2], _reach: &[R; 4]) -> Option<R> {
         None
     }
 
     /// Pulls the ends together with `force` \[N\] along what was measured.
-    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real);
+    fn pull<R: Real>(f: &mut [R], ends: [usize; 2], m: &Elongation<R>, force: R);
 }
 
 /// Two places on a line.
@@ -76,29 +76,29 @@ pub struct Along;
 pub struct Radial;
 
 #[inline(always)]
-fn at(x: &[Real], i: usize) -> Vector3<Real> {
+fn at<R: Real>(x: &[R], i: usize) -> Vector3<R> {
     x[i..].first_chunk::<3>().map_or_else(Vector3::zeros, |v| Vector3::from(*v))
 }
 
 #[inline(always)]
-fn vector(reach: &[Real; 4]) -> Vector3<Real> {
+fn vector<R: Real>(reach: &[R; 4]) -> Vector3<R> {
     Vector3::new(reach[0], reach[1], reach[2])
 }
 
 /// The vector between two points.
 #[inline(always)]
-fn between(x: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Vector3<Real> {
+fn between<R: Real>(x: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Vector3<R> {
     vector(reach) + (at(x, b) - at(x, a))
 }
 
 /// The length of a vector, softened.
 #[inline(always)]
-fn length(v: &Vector3<Real>, reach: &[Real; 4]) -> Real {
+fn length<R: Real>(v: &Vector3<R>, reach: &[R; 4]) -> R {
     sqrt(v.dot(v) + reach[3])
 }
 
 #[inline(always)]
-fn pull3(f: &mut [Real], [a, b]: [usize; 2], v: &Vector3<Real>, force: Real) {
+fn pull3<R: Real>(f: &mut [R], [a, b]: [usize; 2], v: &Vector3<R>, force: R) {
     let g = v * force;
     for k in 0..3 {
         f[a + k] += g[k];
@@ -109,11 +109,11 @@ fn pull3(f: &mut [Real], [a, b]: [usize; 2], v: &Vector3<Real>, force: Real) {
 impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], _: &[Real; 4]) -> Elongation {
+    fn measure<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], _: &[R; 4]) -> Elongation<R> {
         Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(real(1.0), real(0.0), real(0.0)), l: real(1.0) }
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], [a, b]: [usize; 2], _: &Elongation, force: Real) {
+    fn pull<R: Real>(f: &mut [R], [a, b]: [usize; 2], _: &Elongation<R>, force: R) {
         f[a] += force;
         f[b] -= force;
     }
@@ -122,12 +122,12 @@ impl Measure for Line {
 impl Measure for Along {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
+    fn measure<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Elongation<R> {
         let n = vector(reach);
         Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: real(1.0) }
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real) {
+    fn pull<R: Real>(f: &mut [R], ends: [usize; 2], m: &Elongation<R>, force: R) {
         pull3(f, ends, &m.v, force);
     }
 }
@@ -135,19 +135,19 @@ impl Measure for Along {
 impl Measure for Radial {
     const SPACE: bool = true;
     #[inline(always)]
-    fn measure(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4]) -> Elongation {
+    fn measure<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Elongation<R> {
         let now = between(x, [a, b], reach);
         let moved = at(d, b) - at(d, a);
         let before = now - moved;
         let (l, l0) = (length(&now, reach), length(&before, reach));
-        let w = (now + before).dot(&moved) / (l + l0).max(Real::MIN_POSITIVE);
+        let w = (now + before).dot(&moved) / (l + l0).max(R::MIN_POSITIVE);
         Elongation { e: l, w, v: now, l }
     }
     #[inline(always)]
-    fn follow(x: &[Real], d: &[Real], [a, b]: [usize; 2], reach: &[Real; 4], last: &mut Real) -> Elongation {
+    fn follow<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], reach: &[R; 4], last: &mut R) -> Elongation<R> {
         let now = between(x, [a, b], reach);
         let l = length(&now, reach);
-        if *last < 0.0 {
+        if *last < R::ZERO {
             *last = length(&(now - (at(d, b) - at(d, a))), reach);
         }
         let w = l - *last;
@@ -155,18 +155,18 @@ impl Measure for Radial {
         Elongation { e: l, w, v: now, l }
     }
     #[inline(always)]
-    fn square(x: &[Real], ends: [usize; 2], reach: &[Real; 4]) -> Option<Real> {
+    fn square<R: Real>(x: &[R], ends: [usize; 2], reach: &[R; 4]) -> Option<R> {
         let now = between(x, ends, reach);
         Some(now.dot(&now) + reach[3])
     }
     #[inline(always)]
-    fn pull(f: &mut [Real], ends: [usize; 2], m: &Elongation, force: Real) {
+    fn pull<R: Real>(f: &mut [R], ends: [usize; 2], m: &Elongation<R>, force: R) {
         pull3(f, ends, &m.v, density(force, m.l));
     }
 }
 
 /// Measures by a measure known only at run time, for what is not a kernel.
-pub fn measure(measure: MeasureKind, x: &[Real], d: &[Real], ends: [u32; 2], reach: &[Real; 4]) -> Elongation {
+pub fn measure<R: Real>(measure: MeasureKind, x: &[R], d: &[R], ends: [u32; 2], reach: &[R; 4]) -> Elongation<R> {
     let ends = ends.map(|m| m as usize);
     match measure {
         MeasureKind::Line => Line::measure(x, d, ends, reach),
@@ -178,14 +178,14 @@ pub fn measure(measure: MeasureKind, x: &[Real], d: &[Real], ends: [u32; 2], rea
 /// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
 /// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
 #[inline(always)]
-pub fn around(
+pub fn around<R: Real>(
     measure: MeasureKind,
-    x: &[Real],
-    d: &[Real],
-    d0: &[Real],
+    x: &[R],
+    d: &[R],
+    d0: &[R],
     ends: [u32; 2],
-    reach: &[Real; 4],
-) -> ([Real; 3], Real) {
+    reach: &[R; 4],
+) -> ([R; 3], R) {
     let [a, b] = ends.map(|m| m as usize);
     if measure == MeasureKind::Line {
         let after = x[b] - x[a];
@@ -202,16 +202,16 @@ pub fn around(
     }
     let now = v + (after - out);
     let l = length(&now, reach);
-    ([length(&(now - into), reach), l, length(&(now + out), reach)], now.dot(&(out + into)) / l.max(Real::MIN_POSITIVE))
+    ([length(&(now - into), reach), l, length(&(now + out), reach)], now.dot(&(out + into)) / l.max(R::MIN_POSITIVE))
 }
 
 /// The ports of link `i` of a batch whose first link is `first`: measure, ends and reach of each.
-pub fn ports(
-    layout: &Layout,
+pub fn ports<R: Real>(
+    layout: &Layout<R>,
     ports: &Ports,
     first: usize,
     i: usize,
-) -> impl Iterator<Item = (MeasureKind, [u32; 2], [Real; 4])> {
+) -> impl Iterator<Item = (MeasureKind, [u32; 2], [R; 4])> {
     let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [real(0.0); 4] } else { layout.reach[at + i] };
     let one = (ports.measure, layout.ends[first + i], reach(ports.measure, ports.reach));
     let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));

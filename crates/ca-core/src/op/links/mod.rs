@@ -3,18 +3,15 @@
 //! integrated too (`fused`, in eight lanes `folded`, a mesh `band`), in space (`space` by a [`measure`], in vectors `radial`), and all
 //! pairs of two sets ([`pair_set`]). `choose` takes one for each form of a law.
 
-#[cfg(not(any(single, dual)))]
 mod band;
 mod choose;
 mod fan;
-#[cfg(not(any(single, dual)))]
 mod folded;
 mod fused;
 mod gather;
 pub(super) mod law;
 pub mod measure;
 pub mod pair_set;
-#[cfg(not(any(single, dual)))]
 mod radial;
 mod run;
 mod space;

@@ -29,11 +29,11 @@ const FEWEST: usize = 16;
 /// Applies the law of `op`, whose force runs in vectors, to each of its links.
 pub struct Blocks<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for Blocks<P, C, M, TAP> {
+impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> for Blocks<P, C, M, TAP> {
     #[inline(always)]
     fn run<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State) {
         if op.n < FEWEST {
-            links::<P, Radial, C, M, TAP>(op, layout, s, 0..op.n);
+            links::<f64, P, Radial, C, M, TAP>(op, layout, s, 0..op.n);
             return;
         }
         let whole = op.n - op.n % S::F64_LANES;
@@ -51,7 +51,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body for Blo
             sums(simd, op, layout, s, first, v);
             first += n;
         }
-        links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
+        links::<f64, P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
     }
 }
 
@@ -151,7 +151,7 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
         layout.vectors.widest(Behind(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
         first += n;
     }
-    links::<P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
+    links::<f64, P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
 }
 
 /// Four numbers from `i` on, where there are so many.

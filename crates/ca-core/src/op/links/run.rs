@@ -12,30 +12,30 @@ use core::marker::PhantomData;
 
 /// The forces of a row, left in [`State::tap`] from `op.tap` on.
 #[inline(always)]
-pub fn links<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+pub fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
 ) {
     let n = op.n;
     let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
-    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (a, b) = (op.mat, op.mat + op.form.stride);
     let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
     let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
     let (mem, force) = (&mut s.mem[op.mem..][..n * M], &mut s.tap[op.tap..][..n]);
-    each::<P, C, M, OFFSET>([xa, xb, da, db], e0, &columns, &layout.tables, mem, force);
+    each::<R, P, C, M, OFFSET>([xa, xb, da, db], e0, &columns, &layout.tables, mem, force);
 }
 
 /// The loop over a row; a function of its own, so that the compiler knows that what is written is none of what is read.
 #[inline(always)]
-fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
-    [xa, xb, da, db]: [&[Real]; 4],
-    e0: &[Real],
-    columns: &[&[Real]; C],
-    tables: &[Table],
-    mem: &mut [Real],
-    force: &mut [Real],
+fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
+    [xa, xb, da, db]: [&[R]; 4],
+    e0: &[R],
+    columns: &[&[R]; C],
+    tables: &[Table<R>],
+    mem: &mut [R],
+    force: &mut [R],
 ) {
     for i in 0..force.len() {
         let mut e = xb[i] - xa[i];
@@ -54,17 +54,17 @@ fn each<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
 /// Applies the law of `op` to its row.
 pub struct Run<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomData<P>);
 
-impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body for Run<P, C, M, OFFSET> {
+impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body<R> for Run<P, C, M, OFFSET> {
     #[inline(always)]
-    fn run<S: Simd>(_: S, op: &Op, layout: &Layout, s: &mut State) {
-        links::<P, C, M, OFFSET>(op, layout, s);
+    fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+        links::<R, P, C, M, OFFSET>(op, layout, s);
         let (n, a, b) = (op.n, op.mat, op.mat + op.form.stride);
         let force = &s.tap[op.tap..][..n];
         for (f, force) in s.f[b..][..n].iter_mut().zip(force) {
-            *f -= force;
+            *f -= *force;
         }
         for (f, force) in s.f[a..][..n].iter_mut().zip(force) {
-            *f += force;
+            *f += *force;
         }
     }
 }

@@ -11,20 +11,20 @@ use crate::state::State;
 use core::ops::Range;
 
 /// Applies the law of `op` to each of its links.
-pub fn space<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+pub fn space<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
 ) {
-    links::<P, G, C, M, TAP>(op, layout, s, 0..op.n);
+    links::<R, P, G, C, M, TAP>(op, layout, s, 0..op.n);
 }
 
 /// Applies it to some of them.
 #[inline(always)]
-pub fn links<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
-    op: &Op,
-    layout: &Layout,
-    s: &mut State,
+pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
     some: Range<usize>,
 ) {
     let n = op.n;
@@ -32,7 +32,7 @@ pub fn links<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
     let e0 = &layout.e0[op.first..][..n];
     let reach = &layout.reach[op.ports.reach..][..n];
     let lengths = &mut s.lengths[op.ports.reach..][..n];
-    let columns: [&[Real]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
+    let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
     let mem = &mut s.mem[op.mem..][..n * M];
     for i in some {
@@ -42,7 +42,7 @@ pub fn links<P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP
         let passes = P::CONTACT && M == 0;
         if passes {
             let (from, to) = P::idle(&c);
-            let (from, to) = (from.max(0.0), to.max(0.0));
+            let (from, to) = (from.max(R::ZERO), to.max(R::ZERO));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
                 if TAP {
                     s.tap[op.tap + i] = real(0.0);

@@ -20,7 +20,7 @@ use crate::reverse::heard::{HeardAdjoint, Outputs};
 use crate::reverse::single::{Adjoints, Pairs, Single};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
-use ca_core::numeric::Aligned;
+use ca_core::numeric::{Aligned, Dual};
 use ca_core::op::Op;
 use ca_core::op::layout::Layout;
 use ca_core::{Scene, State};
@@ -82,7 +82,7 @@ impl<'a> Adjoint<'a> {
     pub fn new(
         scene: &'a Scene,
         parts: &'a Parts,
-        dual: &ca_core_dual::Scene,
+        dual: &Scene<Dual>,
         place: &'a Scene,
         needed: &[bool],
     ) -> Result<Adjoint<'a>, String> {

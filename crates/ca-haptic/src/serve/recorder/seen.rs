@@ -81,6 +81,7 @@ impl Seen {
         if now == (self.mode, self.cause) {
             return None;
         }
+        let had_forces = self.mode != Mode::Off;
         (self.mode, self.cause) = now;
         self.forces_on |= matches!(now.0, Mode::Ramp | Mode::On);
         if now.0 != Mode::Off {
@@ -91,7 +92,7 @@ impl Seen {
             (Mode::Damp, cause) => format!("braking, {}", cause.name()),
             (Mode::Off, Cause::None) => "armed; waiting until nothing pushes".into(),
             (Mode::Off, _) => "forces off".into(),
-            (Mode::Ramp, _) if frame.flags & flag::WAIT_CLEAR != 0 => {
+            (Mode::Ramp, _) if had_forces && frame.flags & flag::WAIT_CLEAR != 0 => {
                 "forces fade out: another version of the model plays".into()
             }
             (Mode::Ramp, _) => "forces fade in".into(),

@@ -53,6 +53,12 @@ impl Cables {
             if let Err(e) = std::fs::metadata(&path) {
                 return Err(Failure::Failed(format!("--midi {}: {e}", path.display())));
             }
+            if must && is_standard_file(&path) {
+                let file = path.display();
+                return Err(Failure::Usage(format!(
+                    "--midi {file}: it is a Standard MIDI File, whose events have times; `ca render MODEL --gesture {file}` plays it"
+                )));
+            }
             let (k, tell, at) = (names.len(), tell.clone(), path.clone());
             let started = std::thread::Builder::new().name("ca midi".into()).spawn(move || read(&at, k, &tell));
             match started {
@@ -83,6 +89,12 @@ impl Cables {
     pub(super) fn news(&mut self) -> Vec<(bool, String)> {
         std::mem::take(&mut self.news)
     }
+}
+
+/// Whether a plain file begins as a Standard MIDI File does. Others are not opened, since a pipe would wait for its writer.
+fn is_standard_file(path: &Path) -> bool {
+    let mut head = [0; 4];
+    path.is_file() && File::open(path).is_ok_and(|mut f| f.read_exact(&mut head).is_ok()) && head == *b"MThd"
 }
 
 /// The raw MIDI devices of this machine.

@@ -56,6 +56,24 @@ fn a_replay_keeps_the_ledger_that_the_performance_did_not() {
     }
 }
 
+/// Neither the take nor a model is written over by the sound, whatever the file is called.
+#[test]
+fn a_replay_writes_over_nothing_it_should_not() {
+    let desk = Desk::new();
+    duo(&desk.path("take.mcap"), 100);
+    fs::copy(desk.path("take.mcap"), desk.path("take.wav")).unwrap();
+    let take = fs::read(desk.path("take.mcap")).unwrap();
+    desk.put("duo.ca.toml", DUO);
+    std::os::unix::fs::symlink("take.mcap", desk.path("link.wav")).unwrap();
+    for to in ["take.mcap", "duo.ca.toml", "-"] {
+        desk.ca(&["replay", "take.mcap", "-o", to]).is(2).says(&["`.wav`"]);
+    }
+    desk.ca(&["replay", "take.mcap", "-o", "link.wav"]).is(2).says(&["is the take and would be overwritten"]);
+    desk.ca(&["replay", "take.wav", "-o", "./take.wav"]).is(2).says(&["is the take and would be overwritten"]);
+    assert!(["take.mcap", "take.wav"].iter().all(|name| fs::read(desk.path(name)).unwrap() == take));
+    assert_eq!(fs::read_to_string(desk.path("duo.ca.toml")).unwrap(), DUO);
+}
+
 #[test]
 fn info_counts_what_is_there() {
     let desk = Desk::new();

@@ -1,0 +1,71 @@
+//! The kernel of each pass that is not of links, over any number.
+
+use crate::border::{self, group};
+use crate::method::{implicit, modes, pefrl, quadratised};
+use crate::numeric::Real;
+use crate::op::{Kernel, Op, Pass, blocker, driven, energy, heard, lowpass, pass, substep, wave};
+
+impl Pass {
+    /// Its kernel over `R`; of [`Pass::Links`] one that does nothing, since its law has that.
+    pub fn kernel<R: Real>(self) -> Kernel<R> {
+        match self {
+            Pass::Links => |_, _, _| {},
+            Pass::Enx => pass::enx,
+            Pass::DevicesIn(way, late) => border::position(way, late),
+            Pass::ModalPorts => pass::sum,
+            Pass::Driven => driven::drive,
+            Pass::Points => pass::project,
+            Pass::Ledger => energy::ledger,
+            Pass::Changes => pass::ramp,
+            Pass::Aim => pass::aim,
+            Pass::LedgerOfChanges => energy::ledger_changes,
+            Pass::Enf { counted: true } => pass::enf::<R, true>,
+            Pass::Enf { counted: false } => pass::enf::<R, false>,
+            Pass::Weight => pass::weight,
+            Pass::WavesIn => wave::arrive,
+            Pass::PointsBack => pass::spread,
+            Pass::Modes => pass::share,
+            Pass::Implicit => implicit::solve,
+            Pass::ImplicitPairs => implicit::pairs,
+            Pass::ModesAhead => modes::ahead,
+            Pass::Contacts { modes: false } => quadratised::solve,
+            Pass::Contacts { modes: true } => quadratised::solve_modes,
+            Pass::ModesAgain => modes::back,
+            Pass::Mute => border::mute,
+            Pass::DevicesOut(way) => border::collect(way),
+            Pass::LedgerOfBorder(way) => border::ledger(way),
+            Pass::LedgerOfForces => energy::keep,
+            Pass::Group { compensated: true } => group::advance::<R, true>,
+            Pass::Group { compensated: false } => group::advance::<R, false>,
+            Pass::GroupOut { compensated: true } => group::collect::<R, true>,
+            Pass::GroupOut { compensated: false } => group::collect::<R, false>,
+            Pass::HeardLinks => heard::heard,
+            Pass::Outputs => pass::outputs,
+            Pass::ManyOutputs => pass::many_outputs,
+            Pass::Positions => pass::positions,
+            Pass::Motions => pass::motions,
+            Pass::HighPass => blocker::blocker,
+            Pass::HighPassOfMotion => blocker::of_motion,
+            Pass::LowPass => lowpass::lowpass,
+            Pass::Remember => lowpass::remember,
+            Pass::IntegrateFree => pass::integrate_free,
+            Pass::IntegrateFull => pass::integrate_full,
+            Pass::WavesOut => wave::depart,
+            Pass::Flush => pass::flush,
+            Pass::Drift => pefrl::drift,
+            Pass::Kick { own: false } => pefrl::kick,
+            Pass::Kick { own: true } => pefrl::kick_own,
+            Pass::Inputs => substep::inputs,
+            Pass::Between => substep::between,
+            Pass::ToTicks => substep::to_ticks,
+            Pass::ToSamples => substep::to_samples,
+        }
+    }
+}
+
+impl Op {
+    /// A pass without links. Not generic, so that the kernels over `f64` are made in this crate.
+    pub fn pass(pass: Pass, n: usize) -> Op {
+        Op::new(pass, pass.kernel(), n)
+    }
+}

@@ -1,0 +1,295 @@
+//! Bind: a scene over `f64` as one over another number.
+//!
+//! The compiler makes scenes over `f64`. Each number is rounded once to `R`, each pass gets its kernel over `R`, and each
+//! law its functions over `R`. The start is computed anew in single precision; over dual numbers its values have the bits of
+//! `f64`. The scene has to be compiled for the precision of `R`, since kernels in vectors, and rows that stand
+//! folded for them, are over `f64` alone.
+
+use super::{Before, Scene, start};
+use crate::numeric::{Precision, Real, Table, VerletList, real};
+use crate::op::layout::{
+    Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
+    SlowGroup, Substeps, Termination, Waves,
+};
+use crate::op::{Band, Form, Integrate, Laws, Op};
+use crate::state::{ActiveContacts, Cell, Identity, Ledger, Ramps, SlowState, State};
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use core::fmt;
+
+/// Why a scene is not bound to another number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unbound {
+    /// no functions over this number were given for the law of this code
+    Law(&'static str),
+    /// points of a table coincide, or are beyond the number
+    Table,
+    /// it was compiled for another precision
+    Kernels,
+}
+
+impl fmt::Display for Unbound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Unbound::Law(code) => write!(f, "the law `{code}` is made in double precision only"),
+            Unbound::Table => {
+                f.write_str("a table has points that coincide, or are beyond computing, in this precision")
+            }
+            Unbound::Kernels => f.write_str("the scene was compiled for double precision"),
+        }
+    }
+}
+
+impl core::error::Error for Unbound {}
+
+impl Scene {
+    /// The same scene over `R`, whose laws have these functions.
+    ///
+    /// # Errors
+    /// [`Unbound`].
+    pub fn bind<R: Real>(&self, laws: &Laws<R>) -> Result<Scene<R>, Unbound> {
+        let layout = layout(&self.layout, laws)?;
+        let [reads, forces, writes] = [&self.reads, &self.forces, &self.writes].map(|list| ops(list, laws, listed));
+        let (reads, forces, writes) = (reads?, forces?, writes?);
+        let moves = ops(&self.moves, laws, |form| form)?;
+        let before = match &self.before {
+            Some(b) => {
+                Some(Before { start: b.start, state: state(&b.state, &layout), forces: ops(&b.forces, laws, listed)? })
+            }
+            None => None,
+        };
+        let mut initial = match &before {
+            Some(b) if R::PRECISION == Precision::Single => start(&layout, &b.forces, b.start, b.state.clone()),
+            _ => state(&self.initial, &layout),
+        };
+        initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+        let mut live = self.live.clone();
+        live.scene = initial.scene;
+        Ok(Scene {
+            rate: self.rate,
+            layout,
+            reads,
+            forces,
+            fused: self.fused,
+            writes,
+            moves,
+            inputs: self.inputs.clone(),
+            channel_names: self.channel_names.clone(),
+            probe_names: self.probe_names.clone(),
+            probe_of: self.probe_of.clone(),
+            live,
+            gestures: self.gestures.clone(),
+            symbols: self.symbols.clone(),
+            certificate: self.certificate.clone(),
+            equivalence: self.equivalence.clone(),
+            couplings: self.couplings.clone(),
+            left_out: self.left_out.clone(),
+            sorted: self.sorted,
+            title: self.title.clone(),
+            seconds: self.seconds,
+            initial,
+            before,
+        })
+    }
+}
+
+/// The form by which the list of forces runs links: rows that a pass of `moves` integrates are summed alone there.
+fn listed(form: Form) -> Form {
+    Form { integrate: Integrate::No, folded: false, band: Band::None, ..form }
+}
+
+/// Passes with their kernels; `form` says by which form links run.
+fn ops<R: Real>(list: &[Op], laws: &Laws<R>, form: fn(Form) -> Form) -> Result<Vec<Op<R>>, Unbound> {
+    let op = |op: &Op| {
+        let &Op { kernel: _, pass, name, law, fns: _, form: of, ports, n, first, mat, coef, mem, tap } = op;
+        if of.folded {
+            return Err(Unbound::Kernels);
+        }
+        let fns = match law {
+            Some(law) => Some(laws.get(law).ok_or(Unbound::Law(law.code))?),
+            None => None,
+        };
+        let kernel = fns.map_or_else(|| pass.kernel(), |fns| (fns.kernel)(form(of)));
+        Ok(Op { kernel, pass, name, law, fns, form: of, ports, n, first, mat, coef, mem, tap })
+    };
+    list.iter().map(op).collect()
+}
+
+fn reals<R: Real, All: FromIterator<R>>(all: &[f64]) -> All {
+    all.iter().map(|v| real(*v)).collect()
+}
+
+fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
+    let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: real(p.rest), implicit: p.implicit };
+    let heard = |h: &HeardLink| {
+        let fns = laws.get(h.law).ok_or(Unbound::Law(h.law.code))?;
+        let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = h;
+        Ok(HeardLink { law, force: fns.force, ends, e0: real(e0), coef, step, coefs, tap })
+    };
+    let account = |a: &Account| {
+        let fns = laws.get(a.law).ok_or(Unbound::Law(a.law.code))?;
+        let &Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies: _, rows, idle: _ } = a;
+        let (energies, idle) = (fns.energies, fns.idle);
+        Ok(Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies, rows, idle })
+    };
+    let ledger = match &l.ledger {
+        Some(plan) => Some(LedgerPlan {
+            accounts: plan.accounts.iter().map(account).collect::<Result<_, _>>()?,
+            weight: plan.weight,
+            live: plan.live,
+        }),
+        None => None,
+    };
+    let slow = match &l.slow {
+        Some(group) => Some(Arc::new(slow_group(group, laws)?)),
+        None => None,
+    };
+    let substeps = match &l.substeps {
+        Some(s) => {
+            Some(Substeps { times: s.times, tick: ops(&s.tick, laws, |form| form)?.into(), inputs: s.inputs.clone() })
+        }
+        None => None,
+    };
+    let driven = |d: &Driven| Driven {
+        input: d.input,
+        span: d.span,
+        rows: d.rows,
+        places: d.places.clone(),
+        table: reals(&d.table),
+    };
+    Ok(Layout {
+        sample_dt: l.sample_dt,
+        ratio: l.ratio,
+        frame: l.frame,
+        n_mat: l.n_mat,
+        n_lia: l.n_lia,
+        n_coef: l.n_coef,
+        n_mem: l.n_mem,
+        n_touch: l.n_touch,
+        n_tap: l.n_tap,
+        channels: l.channels,
+        n_out: l.n_out,
+        ends: l.ends.clone(),
+        onto: l.onto.clone(),
+        reach: l.reach.iter().map(|r| r.map(real)).collect(),
+        rows: l.rows.clone(),
+        pair_sets: l.pair_sets.clone(),
+        e0: reals(&l.e0),
+        rest: reals(&l.rest),
+        nodes: l.nodes.clone(),
+        moving_points: l.moving_points.clone(),
+        modal: l.modal.clone(),
+        shares: reals(&l.shares),
+        solved_modal: l.solved_modal.clone(),
+        modal_couplings: l.modal_couplings.clone(),
+        couplings: reals(&l.couplings),
+        tables: l.tables.iter().map(Table::rounded).collect::<Option<_>>().ok_or(Unbound::Table)?,
+        enx: l.enx.iter().map(enx).collect(),
+        enf: l.enf.clone(),
+        tgr: l.tgr.iter().map(enx).collect(),
+        driven: l.driven.iter().map(driven).collect(),
+        crossing: l.crossing,
+        waves: waves(&l.waves),
+        weighed: l.weighed.clone(),
+        heard: l.heard.iter().map(heard).collect::<Result<_, _>>()?,
+        outputs: l.outputs.clone(),
+        of_motion: l.of_motion,
+        output_rows: l.output_rows.clone(),
+        blockers: l.blockers.iter().map(|b| DcBlocker { r: real(b.r), g: real(b.g) }).collect(),
+        lowpass: reals(&l.lowpass),
+        implicit: l.implicit.as_ref().map(implicit),
+        ledger,
+        slow,
+        substeps,
+        vectors: l.vectors,
+    })
+}
+
+fn waves<R: Real>(w: &Waves) -> Waves<R> {
+    let junction = |j: &Junction| Junction { mat: j.mat, z: real(j.z), memory: j.memory };
+    let end = |end: Termination| match end {
+        Termination::Open => Termination::Open,
+        Termination::Rigid => Termination::Rigid,
+        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(real), memory },
+    };
+    let delay = |d: &Delay| {
+        let &Delay { junction, from, to, first, len, end: of } = d;
+        Delay { junction, from, to, first, len, end: end(of) }
+    };
+    Waves {
+        junctions: w.junctions.iter().map(junction).collect(),
+        delays: w.delays.iter().map(delay).collect(),
+        first: w.first,
+        len: w.len,
+    }
+}
+
+fn implicit<R: Real>(a: &ImplicitLinks) -> ImplicitLinks<R> {
+    let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, real(*w))).collect();
+    let force =
+        |f: &LinkForce| LinkForce { coef: f.coef, tap: f.tap, moving: weights(&f.moving), fixed: weights(&f.fixed) };
+    ImplicitLinks {
+        places: a.places.clone(),
+        pattern: a.pattern.clone(),
+        coef: a.coef,
+        forces: a.forces.iter().map(force).collect(),
+        pairs: a.pairs.clone(),
+    }
+}
+
+fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Unbound> {
+    Ok(SlowGroup {
+        layout: layout(&g.layout, laws)?,
+        reads: ops(&g.reads, laws, listed)?,
+        forces: ops(&g.forces, laws, listed)?,
+        after: ops(&g.after, laws, listed)?,
+        moves: ops(&g.moves, laws, |form| form)?,
+        ports: g.ports.clone(),
+        coupled: g.coupled,
+        compensated: g.compensated,
+        shown: g.shown.clone(),
+        links: g.links,
+        masses: g.masses,
+        response: g.response.clone(),
+    })
+}
+
+/// A state at load.
+fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
+    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..Ledger::new(layout) }));
+    let slow = s.slow.as_ref().zip(layout.slow.as_ref()).map(|(slow, group)| {
+        let SlowState { state: own, ports, unknown, free } = &**slow;
+        let own = state(own, &group.layout);
+        Box::new(SlowState { state: own, ports: ports.clone(), unknown: unknown.clone(), free: free.clone() })
+    });
+    let Ramps { index, whole, .. } = &s.ramps;
+    State {
+        scene: s.scene,
+        x: reals(&s.x),
+        d: reals(&s.d),
+        f: reals(&s.f),
+        coef: reals(&s.coef),
+        mem: reals(&s.mem),
+        lengths: reals(&s.lengths),
+        tap: reals(&s.tap),
+        input: s.input.clone(),
+        last_input: s.last_input.clone(),
+        output: reals(&s.output),
+        cells: s.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(real) }).collect(),
+        near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
+        slow,
+        border: s.border.clone(),
+        late: s.late.clone(),
+        blocked: s.blocked.iter().map(|b| b.map(real)).collect(),
+        glide: s.glide.clone(),
+        lowpass: reals(&s.lowpass),
+        implicit: reals(&s.implicit),
+        touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
+        ramps: Ramps::new(index.clone(), *whole),
+        written: s.written.clone(),
+        ledger,
+        tick: s.tick,
+        refused: s.refused,
+    }
+}
