@@ -317,14 +317,7 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
 }
 
 /// The state as written: every mass where its author put it, with the speed it was given.
-fn loaded(
-    net: &Pruned,
-    layout: &Layout,
-    x: &[f64],
-    v: &[f64],
-    coef: &[f64],
-    (live, whole): (Vec<u32>, u32),
-) -> State {
+fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     State {
         scene: Identity::default(),
