@@ -29,6 +29,9 @@ mod wait;
 /// See the package `cordis_anima`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
+    use numpy::PyArray1;
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::batch::play;
     #[pymodule_export]
@@ -53,4 +56,11 @@ mod _core {
     /// Version of the engine.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// Loads the array interface of NumPy. The first array would load it later, where an interrupt (Ctrl-C) is a panic.
+    #[pymodule_init]
+    fn load_arrays(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        PyArray1::<f64>::zeros(module.py(), 0, false);
+        Ok(())
+    }
 }
