@@ -31,7 +31,6 @@ fn python() -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8(made.stdout).expect("a path in UTF-8").trim()))
 }
 
-/// By its name `tests/run` tells it from all other tests.
 /// The files of the package, and those of its folders.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir(to).expect("a folder");
@@ -45,6 +44,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+/// By its name `tests/run` tells it from all other tests.
 #[test]
 fn everything_in_python() {
     let Some(python) = python() else { return };
