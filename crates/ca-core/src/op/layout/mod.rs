@@ -79,7 +79,7 @@ impl PairSet {
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enx<R: Real = f64> {
-    /// index into [`State::input`]
+    /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
     /// the MAT it moves
     pub mat: u32,
@@ -93,7 +93,7 @@ pub struct Enx<R: Real = f64> {
 /// A force port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enf {
-    /// index into [`State::input`]
+    /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
     /// the MAT it pushes
     pub mat: u32,
@@ -180,7 +180,7 @@ pub struct ImplicitLinks<R: Real = f64> {
 pub struct Pair {
     /// slots in the state of its ends
     pub ends: [u32; 2],
-    /// index into [`State::tap`], where its force is kept
+    /// index into [`State::tap`](crate::state::State::tap), where its force is kept
     pub tap: Option<u32>,
 }
 
@@ -189,7 +189,7 @@ pub struct Pair {
 pub struct LinkForce<R: Real = f64> {
     /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
-    /// index into [`State::tap`]
+    /// index into [`State::tap`](crate::state::State::tap)
     pub tap: Option<u32>,
     /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
     pub moving: Vec<(u32, R)>,
@@ -204,7 +204,7 @@ pub struct Substeps<R: Real = f64> {
     pub times: u32,
     /// the passes of one tick between two samples
     pub tick: Arc<[Op<R>]>,
-    /// indices into [`State::input`] that are given once a sample (any)
+    /// indices into [`State::input`](crate::state::State::input) that are given once a sample (any)
     pub inputs: Vec<u32>,
 }
 
