@@ -14,10 +14,13 @@
 //! scheme allows. If that is more than a tenth of the device, the hand would feel the mass: no coupling fits, and the device gives
 //! no force.
 //!
+//! A device that is slower than the engine gets the mean force of a coupled key over each of its frames, one of them later
+//! ([`crate::engine::Port`]). What a softened key is given counts that frame too.
+//!
 //! Friction that sticks joins a key to a body without any give, and a damper near the friction of the device makes as much energy
 //! as a stiff spring. Both count as a spring far stiffer than the device holds.
 
-use crate::engine::{Setup, coupled};
+use crate::engine::{Setup, coupled, is_slower};
 use crate::profile::Profile;
 use ca_compile::{Compiled, Options};
 use ca_core::border::{Delays, delays};
@@ -57,7 +60,8 @@ pub struct Held {
     pub at_once: f64,
     /// a key up to here stays as it is: 0.9 of `passive`, or the stiffness of the profile if that is less \[N/m\]
     pub kept: f64,
-    /// a stiffer one is softened to this: half of `passive`, or the stiffness of the profile if that is less \[N/m\]
+    /// a stiffer one is softened to this: half of `passive`, counted one frame later still for a device slower than the scene, or
+    /// the stiffness of the profile if that is less \[N/m\]
     pub given: f64,
 }
 
@@ -70,10 +74,11 @@ impl Held {
         let own = delays(scene);
         let d = Delays { spring: own.spring * longer, frame: own.frame * longer, ..own };
         let b = profile.body.friction;
-        let later = Delays { spring: d.spring + d.frame, ..d };
-        let passive = later.stiffest(b);
-        let [kept, given] =
-            [KEPT, SURE].map(|part| profile.stiffness.map_or(part * passive, |k| k.min(part * passive)));
+        let later = |frames: f64| Delays { spring: d.spring + frames * d.frame, ..d }.stiffest(b);
+        let passive = later(1.0);
+        let softened = if is_slower(profile, 1.0 / rate) { later(2.0) } else { passive };
+        let most = |k: f64| profile.stiffness.map_or(k, |own| own.min(k));
+        let (kept, given) = (most(KEPT * passive), most(SURE * softened));
         Held { passive, at_once: d.stiffest(b), kept, given }
     }
 }

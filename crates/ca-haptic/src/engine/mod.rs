@@ -8,6 +8,7 @@
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR (docs/numerics.md §5.1); the very first only places the devices.
 
+mod mean_force;
 mod port;
 mod refit;
 mod sound;
@@ -16,6 +17,7 @@ mod swap;
 pub(crate) mod tests;
 mod touch;
 
+pub(crate) use mean_force::is_slower;
 pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
 pub use swap::{Swap, carried};

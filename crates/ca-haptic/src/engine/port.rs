@@ -1,5 +1,6 @@
 //! One device as the engine sees it: which of its DOF move which ports of the scene, its guard, its force frame.
 
+use super::mean_force::{MeanForce, is_slower};
 use crate::calibration::Calibration;
 use crate::equivalence::Gains;
 use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
@@ -62,6 +63,8 @@ pub struct Port {
     used: u32,
     /// flags of every frame: whether the scene couples a key of it
     flags: u32,
+    /// of a coupled device that is slower than the engine
+    mean_force: Option<MeanForce>,
     /// where the scene has each DOF \[m\], real
     there: [f64; DOF],
 }
@@ -109,6 +112,7 @@ impl Port {
         }
         // a device slower than the engine moves farther at once
         let frame = frame_dt.max(1.0 / profile.rate);
+        let couples = !coupled(scene, &device).is_empty();
         Port {
             chain: Chain::new(&profile, frame_dt),
             validator: InputValidator::new(&profile, frame_dt),
@@ -117,7 +121,8 @@ impl Port {
             gentle: (profile.range[1] - profile.range[0]) / profile.guard.approach * frame_dt,
             pace: (1.0 / (profile.rate * frame_dt)).ceil().clamp(1.0, 1e9) as u32,
             used: links.iter().fold(0, |u, l| u | 1 << l.dof),
-            flags: if coupled(scene, &device).is_empty() { 0 } else { flag::COUPLED },
+            flags: if couples { flag::COUPLED } else { 0 },
+            mean_force: (couples && is_slower(&profile, frame_dt)).then(MeanForce::new),
             last: vec![0.0; links.len()],
             name: device,
             profile,
@@ -190,6 +195,9 @@ impl Port {
             hand.mean[l.dof] += l.gains.beta * mean;
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
         }
+        if let Some(mean) = &mut self.mean_force {
+            mean.pass(&mut hand.force[..hand.n], hand.fresh);
+        }
         if diverged {
             // a force that is not finite says more than that the model diverged
             if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
@@ -222,6 +230,7 @@ impl Port {
         }
         self.hand.met = 0;
         self.last.fill(0.0);
+        self.mean_force = self.mean_force.as_ref().map(|_| MeanForce::new());
     }
 
     /// Goes on from where another port of the same device is.
@@ -233,6 +242,9 @@ impl Port {
             *to = *from;
         }
         self.validator.dropped = before.validator.dropped;
+        if let (Some(to), Some(from)) = (&mut self.mean_force, &before.mean_force) {
+            *to = from.clone();
+        }
     }
 
     /// The force that `before` sent last fades out, rather than end in a frame; a fault goes on as one.

@@ -171,6 +171,48 @@ fn a_softened_wall_gives_a_hand_nothing() {
     assert!(softened > 20 && rms < 0.05 && paid < 1e-4 && out < 1e-4);
 }
 
+/// A hand far from the wall, with a device of 1 kHz whose frames come when they like: the model touches nothing, so that
+/// nothing pushes the hand.
+#[test]
+fn a_softened_key_in_free_air_does_not_push() {
+    for (drift, jitter, limit) in [(0.0, 0.0, 1e-4), (3e-4, 0.0, 5e-3), (3e-4, 0.3e-3, 0.03), (-2e-3, 0.6e-3, 0.3)] {
+        for phase in [0.05e-3, 0.15e-3, 0.25e-3] {
+            let mut p = e02(true);
+            (p.rate, p.guard.speed) = (1e3, 5.0);
+            let mut rig = Rig::new(&met(&wall(8e3, 0.0), &p), "key", p);
+            let mut rng = Random(11);
+            let (mut frame, mut began, mut due) = (0_u64, None, phase);
+            let (mut at, mut held, mut most, mut work) = (10e-3, 0.0, 0.0_f64, 0.0);
+            let mut last = ForceFrame::new("key", 1);
+            for turn in 0_u32..13_000 {
+                // the device moves once a period of its own, and takes the force that is there as it sends
+                let sent = due + jitter * (rng.even() - 0.5);
+                due += 1e-3 * (1.0 + drift);
+                while frame as f64 * FRAME_DT < sent {
+                    last = rig.go(None, last.seq);
+                    frame += 1;
+                }
+                let t = f64::from(turn) * 1e-3;
+                let x = 10e-3 + 6e-3 * (2.0 * std::f64::consts::TAU * t).sin();
+                if began.is_some() {
+                    work += held * (x - at);
+                    most = most.max(held.abs());
+                }
+                (at, held) = (x, f64::from(last.force[0]));
+                last = rig.go(Some(&[x]), last.seq);
+                frame += 1;
+                // the scene has come to where the hand is
+                if began.is_none() && turn >= 500 && Mode::read(last.mode) == Mode::On {
+                    began = Some(turn);
+                }
+            }
+            assert!(began.is_some_and(|turn| turn < 3000), "forces are on");
+            println!("{drift}, {jitter} s, {phase} s: {most:.5} N, {:.3} uJ", 1e6 * work);
+            assert!(most < limit && work < 1e-6, "{drift}, {jitter} s, {phase} s: {most} N, {work} J");
+        }
+    }
+}
+
 /// A key that is pressed into its wall with forces on, and what was sent last.
 fn pressed(p: &Profile, fades: bool) -> (Rig, Arc<Scene>, ForceFrame) {
     let scene = scene(&wall(2e3, 0.0));
