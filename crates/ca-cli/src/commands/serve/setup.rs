@@ -45,8 +45,9 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec
                 return Err(Failure::Failed(format!("{what}, a {} has {}", profile.title, profile.dof)));
             }
             let what = format!("the model uses {wanted} keys of `{device}`, its profile has {}", profile.dof);
-            term::warning(&format!("{what}; taken as {wanted} keys of that kind"));
-            profile.dof = wanted;
+            let more =
+                "MIDI and gestures alone move the others; a device with more keys needs a profile with more `dof`";
+            term::note(&format!("{what}: {more}"));
         }
         let gains = ca_haptic::equivalence::gains(scene, &device);
         setups.push(Setup { device, profile, calibration, gains });

@@ -5,6 +5,7 @@ use crate::outcome::Failure;
 use crate::term;
 use ca_core::Scene;
 use ca_core::kind::Unit;
+use ca_core::scene::Input;
 use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::frame::About;
@@ -185,7 +186,8 @@ impl Unknown {
     /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
     fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, String> {
         let p = self.most.described(about)?;
-        if p.dof < self.wanted {
+        let of = |i: &Input| i.device.as_ref().is_some_and(|d| d.0 == setup.device && d.1 < p.dof);
+        if p.dof < self.wanted && (p.axes > 1 || !scene.inputs.iter().any(of)) {
             let (n, wanted) = (p.dof, self.wanted);
             return Err(format!("the model uses {wanted} of its degrees of freedom and it has {n}: it is not played"));
         }
@@ -203,9 +205,14 @@ impl Unknown {
         }
         *setup = said;
         let p = &setup.profile;
+        let others = if p.dof < self.wanted {
+            format!("; the model has keys for {}, of which MIDI and gestures play the others", self.wanted)
+        } else {
+            String::new()
+        };
         let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
         Ok(Some(format!(
-            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it",
+            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it{others}",
             p.title, p.dof, p.rate, p.force
         )))
     }

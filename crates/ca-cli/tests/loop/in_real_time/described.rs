@@ -93,6 +93,7 @@ fn stage() -> Stage {
     let unknown = include_str!("../../../../ca-haptic/profiles/unknown.toml");
     let patient = format!("{unknown}\n[guard]\nclear_time = 0.025\nramp = 0.1\nhold = 0.05\nzero = 0.09\nttl = 0.06\n");
     stage.put("c/profiles/unknown.toml", &patient).put("finger.ca.toml", FINGER);
+    stage.put("c/profiles/one.toml", &patient);
     stage
 }
 
@@ -162,6 +163,30 @@ fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
     let server = stage.serve("two.ca.toml", &["--profile", "finger=falcon", "--arm", "--seconds", "2"]);
     let _finger = TestDevice::new(&stage.site, 1, 1);
     server.end().says(&["its profile `falcon` 3: its frames are not used", "`dof = 1`"]);
+}
+
+#[test]
+fn a_device_plays_the_keys_it_has() {
+    let stage = stage();
+    let keys = FINGER.replace("[TGR]", "[TGR]\nother = { device = \"finger\", dof = 1 }");
+    stage.put("keys.ca.toml", &keys);
+    let server = stage.serve("keys.ca.toml", &[]);
+    let finger = TestDevice::new(&stage.site, 1, 1);
+    until("it is held", || {
+        if stage.state().0 != "on" {
+            finger.goes.store(false, Relaxed);
+            stage.on();
+        }
+        finger.goes.store(true, Relaxed);
+        (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
+    });
+    let ran = server.stop();
+    ran.says(&["finger: it says: ", "the model has keys for 2, of which MIDI and gestures play the others"]);
+    drop(finger);
+    let server = stage.serve("keys.ca.toml", &["--profile", "finger=one", "--seconds", "1"]);
+    server
+        .end()
+        .says(&["the model uses 2 keys of `finger`, its profile has 1", "MIDI and gestures alone move the others"]);
 }
 
 #[test]

@@ -65,14 +65,17 @@ impl Token {
 
 /// The token in a file; `None` if the file is not there.
 fn read(path: &Path) -> Result<Option<String>, String> {
-    let file = match File::open(path) {
-        Ok(file) => file,
+    // a FIFO would be waited for
+    let other = || "it is not a file".to_owned();
+    let file = match std::fs::metadata(path).map(|about| about.is_file()) {
+        Ok(true) => File::open(path).map_err(|e| e.to_string())?,
+        Ok(false) => return Err(other()),
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
         Err(e) => return Err(e.to_string()),
     };
     let about = file.metadata().map_err(|e| e.to_string())?;
     if !about.is_file() {
-        return Err("it is not a file".into());
+        return Err(other());
     }
     if about.uid() != uid() || about.mode() & 0o077 != 0 {
         return Err("other users can read or change it; remove it, or close it: `chmod 600`".into());
