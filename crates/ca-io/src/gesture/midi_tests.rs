@@ -97,6 +97,10 @@ fn all_tracks_are_read_whatever_the_header_announces() {
     assert_eq!(times(&bytes), [0.0, 0.5]);
     let g = read(&bytes, &[key()]).unwrap();
     assert_eq!(g.remarks(), ["its header announces 1 of its 2 tracks; all are read"]);
+    bytes[11] = 5;
+    let g = read(&bytes, &[key()]).unwrap();
+    assert_eq!(g.remarks(), ["its header announces 5 tracks and 2 are there; the file may be cut short"]);
+    bytes[11] = 1;
     // no track, but what a program left behind the last one
     bytes.extend(*b"TAG\0\xff\xff\xff\xff\x01");
     assert_eq!(times(&bytes), [0.0, 0.5]);

@@ -2,14 +2,20 @@
 //!
 //! Reads `RIFF` and, for files beyond 4 GiB, `RF64` and `BW64` (EBU Tech 3306, ITU-R BS.2088), whose chunk `ds64` holds 64-bit
 //! sizes. A program that writes to a pipe cannot go back to enter a size: `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000,
-//! others the largest number of 31 bits, the one after it, the largest even one of 32, or 0. Such samples go on to the end of the file. A size of 0 says so only where the size of the whole is open too, so
-//! that a file without samples stays without samples.
+//! others the largest number of 31 or 32 bits, a neighbour of it, what the header leaves of it, or 0. Such samples go on to the
+//! end of the file. A size of 0 says so only where the size of the whole is open too, so that a file without samples stays
+//! without samples.
 //!
 //! No library covers this: hound 3.5 knows neither `RF64` nor open sizes, pad bytes or 64-bit floats, and reads 24 bits in 32
 //! from the wrong end; symphonia 0.6 lacks `RF64`, bwavfile 2.0 64-bit floats.
 
-/// Sizes that mean "to the end of the file".
-const OPEN: [u64; 5] = [0xffff_ffff, 0xffff_fffe, 0x8000_0000, 0x7fff_ffff, 0x7fff_f000];
+/// The largest size of 32 bits.
+const LARGEST: u64 = 0xffff_ffff;
+
+/// True of a size that means "to the end of the file".
+fn is_open(size: u64) -> bool {
+    (0x7fff_f000..=0x8000_0000).contains(&size) || (0xffff_f000..=LARGEST).contains(&size)
+}
 /// The tag of an extensible format, and where the tag of its samples stands.
 const EXTENSIBLE: (u32, usize) = (0xfffe, 24);
 
@@ -55,9 +61,9 @@ impl Chunks<'_> {
             match &head[..4] {
                 b"data" => {
                     let format: Format = format.ok_or("the chunk `fmt ` is missing before its samples")?;
-                    let announced = size64.filter(|_| long && size == OPEN[0]).unwrap_or(size);
-                    let open = OPEN.contains(&announced) && announced > body.len() as u64
-                        || announced == 0 && [0, OPEN[0], u64::MAX].contains(&whole);
+                    let announced = size64.filter(|_| long && size == LARGEST).unwrap_or(size);
+                    let open = is_open(announced) && announced > body.len() as u64
+                        || announced == 0 && [0, LARGEST, u64::MAX].contains(&whole);
                     let frame = (format.channels * format.bytes).max(1);
                     let announced = if open { (body.len() - body.len() % frame) as u64 } else { announced };
                     let here = usize::try_from(announced).unwrap_or(usize::MAX).min(body.len());

@@ -71,10 +71,14 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
             broken += read_track(found, EventIter::new(body), &mut raw)?;
         }
     }
-    if found < announced {
-        return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+    if found == 0 {
+        return Err(cut(format!("{announced} tracks are announced, none is there")));
     }
     let mut remarks = Vec::new();
+    if found < announced {
+        remarks
+            .push(format!("its header announces {announced} tracks and {found} are there; the file may be cut short"));
+    }
     if found > announced {
         remarks.push(format!("its header announces {announced} of its {found} tracks; all are read"));
     }

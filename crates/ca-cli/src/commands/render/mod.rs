@@ -43,8 +43,6 @@ pub(crate) struct Probe {
 
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Outcome {
-    // before there is a file that would be left behind
-    listen();
     let loaded = load::load(&args.source)?;
     let output = output(args, &loaded)?;
     let probes = probes(args, &output)?;
@@ -80,6 +78,8 @@ pub fn run(args: &RenderArgs) -> Outcome {
         term::note("`--threads` has no effect: one thread plays a scene");
     }
     let ending = Ending { format, flac, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
+    // before there is a file that would be left behind; a pipe that is read before it may wait for ever
+    listen();
     let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
