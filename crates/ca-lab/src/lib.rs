@@ -20,6 +20,7 @@ pub mod play;
 pub mod sweep;
 pub mod take;
 pub mod timing;
+pub mod tune;
 pub mod view;
 
 pub use cordis_anima::{Found, Loaded, catalog};

@@ -102,7 +102,7 @@ pub fn fitted<'py>(
     all.set_item("seconds", found.seconds)?;
     all.set_item("stage", if found.stage == Stage::Samples { "samples" } else { "levels" })?;
     all.set_item("settled", found.halt == StopReason::Settled)?;
-    all.set_item("explained", found.explained)?;
+    all.set_item("explained", found.explained && !found.is_elsewhere())?;
     let Pitch { recording, start, found: ends, .. } = found.pitch;
     all.set_item("pitch", (recording, start, ends, found.pitch.starts_far(), found.is_elsewhere()))?;
     all.set_item("warnings", found.warnings())?;

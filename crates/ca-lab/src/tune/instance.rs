@@ -1,9 +1,9 @@
-//! Which number of the text tunes a module of an instance: that which `[use]` gives its parameter.
-//!
-//! Decides that a number of a part which several instances share is not touched: it would tune them all.
+//! The number of the text that tunes a module of an instance: `[use]` gives it to a parameter. A number of a part that several
+//! instances share is not touched, because it would tune them all.
 
 use super::Variable;
-use crate::outcome::Failure;
+use crate::Failure;
+use ca_edit::Place;
 use ca_model::part::Use;
 use ca_model::{Item, Model, Value, quantity};
 
@@ -27,13 +27,13 @@ pub(super) fn variable(
     };
     let text = if let Some(Value::Text(t)) = entry { Some(t.as_str()) } else { None };
     let param = text.and_then(|name| name.strip_prefix(&prefix));
-    let made =
-        |path: Vec<String>, place| Some(Ok(Variable { part: item.name.clone(), cell: None, path, place, unit, slope }));
-    let path = |words: &[&str]| words.iter().map(|w| (*w).to_owned()).collect::<Vec<_>>();
+    let made = |place: Place, index| {
+        Some(Ok(Variable { part: item.name.clone(), cell: None, place: Place { index, ..place }, unit, slope }))
+    };
     if let Some(name) = param {
         match u.with.iter().find(|e| e.key == name).map(|e| &e.value) {
-            Some(Value::List(_)) if index.is_some() => return made(path(&["use", &u.name, "with", name]), index),
-            Some(_) if index.is_none() => return made(path(&["use", &u.name, "with", name]), None),
+            Some(Value::List(_)) if index.is_some() => return made(Place::keys(["use", &u.name, "with", name]), index),
+            Some(_) if index.is_none() => return made(Place::keys(["use", &u.name, "with", name]), None),
             Some(_) => {
                 let n = "a list with one value for each";
                 return refuse(format!("all instances of `{}` have one `{name}`; write {n} in `with`", u.name));
@@ -55,11 +55,9 @@ pub(super) fn variable(
         (Some(Value::Text(part)), None) if u.file.is_none() => match param {
             Some(name) => {
                 let p = model.parts.iter().find(|p| p.name == *part)?.body.params.iter().find(|p| p.key == name)?;
-                let mut path = path(&["part", part, "param", name]);
-                path.extend(matches!(p.value, Value::Table(_)).then(|| "value".to_owned()));
-                made(path, None)
+                made(Place::param(Place::keys(["part", part]), name, &p.value), None)
             }
-            None => made(path(&["part", part, &item.kind, rest, key]), None),
+            None => made(Place::keys(["part", part, &item.kind, rest, key]), None),
         },
         _ => refuse(match param {
             Some(name) => {

@@ -4,7 +4,6 @@
 //! from compiling that text: what is printed is what the file will do. α and β are shown to those who ask (GENESIS
 //! paper, 6.4: nobody ever has to touch them).
 
-mod edit;
 mod table;
 
 use crate::args::{EquivArgs, Source};
@@ -12,8 +11,11 @@ use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
+use ca_core::equivalence::Equivalence;
+use ca_edit::Document;
+use ca_edit::equivalence::{Change, KeyScale, Refused, change};
 use ca_io::atomic_file;
-use ca_model::write;
+use ca_model::{Model, write};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -24,7 +26,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
     let imported = loaded.is_imported();
     let mut text = if imported { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
-        text = edit::edit(&text, &loaded.model, &scene.equivalence, args)?;
+        text = changed(&text, &loaded.model, &scene.equivalence, args)?;
         loaded = ca_lab::load::reread(&loaded, &text);
         scene = load::scene(&loaded, &Options::default())?;
     }
@@ -49,4 +51,17 @@ pub fn run(args: &EquivArgs) -> Outcome {
     // findings that are not errors, as every command that compiles shows them
     term::findings(&loaded.diags, &loaded.model);
     Ok(Ended::Well)
+}
+
+/// The text of a model with the section as asked.
+fn changed(text: &str, model: &Model, now: &Equivalence, args: &EquivArgs) -> Result<String, Failure> {
+    let failed = |what: &dyn std::fmt::Display| Failure::Failed(format!("`{}`: {what}", model.file));
+    let mut text = Document::read(text).map_err(|e| failed(&e))?;
+    let scale = |key| KeyScale { key, lever: args.lever, position: args.position, force: args.force_factor };
+    let asked = Change { rows: &args.set, anchor: args.anchor.as_deref(), key: args.key.as_deref().map(scale) };
+    change(&mut text, now, &asked).map_err(|e| match e {
+        Refused::NotASection => failed(&e),
+        _ => Failure::Usage(e.to_string()),
+    })?;
+    Ok(text.to_string())
 }

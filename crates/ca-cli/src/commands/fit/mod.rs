@@ -45,7 +45,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     }
     if writes {
         // what has no place in the file is refused before the work is done
-        args.vary.iter().try_for_each(|name| write::path(&loaded.model, name).map(drop))?;
+        args.vary.iter().try_for_each(|name| write::place(&loaded.model, name).map(drop))?;
     }
     let recording = Recording::open(&args.to)?;
     let ranges: Vec<Range> = args.range.iter().map(range).collect::<Result<_, _>>()?;
@@ -153,7 +153,7 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
     json!({
         "name": loaded.name, "target": target, "renders": found.renders, "seconds": found.seconds,
         "parameters": numbers, "gain": found.gain, "delay_s": found.delay,
-        "settled": found.halt == StopReason::Settled, "explained": found.explained, "nearer": found.is_nearer(),
+        "settled": found.halt == StopReason::Settled, "explained": found.explained && !found.is_elsewhere(), "nearer": found.is_nearer(),
         "pitch": { "recording_hz": found.pitch.recording, "start_hz": found.pitch.start, "found_hz": found.pitch.found,
             "far": found.pitch.starts_far(), "elsewhere": found.is_elsewhere() },
         "stage": if found.stage == Stage::Samples { "samples" } else { "levels" }, "phase_s": found.phase,
