@@ -4,7 +4,7 @@
 //! where nothing is worse.
 
 use crate::load::{Loaded, compiled};
-use crate::play::{Divergence, Played};
+use crate::play::{Divergence, Played, gained};
 use ca_compile::{Compiled, Options};
 use ca_io::gesture::Gesture;
 use ca_io::sound::Level;
@@ -15,7 +15,8 @@ pub const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
 /// What became of a scene that was played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes) or `invalid` (it does not compile)
+    /// `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes), `gained` (with the
+    /// energy ledger: its scheme made more than it received) or `invalid` (it does not compile)
     pub status: &'static str,
     /// what went wrong; empty where nothing did
     pub message: String,
@@ -46,7 +47,11 @@ impl Outcome {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
-        Outcome::heard(level, played.performance.state.refused, scene.scene.n_out > 0)
+        let outcome = Outcome::heard(level, played.performance.state.refused, scene.scene.n_out > 0);
+        match played.energy.as_ref().and_then(|ledger| gained(&ledger.balance())) {
+            Some(message) if outcome.status == "ok" => Outcome { status: "gained", message, failed: None },
+            _ => outcome,
+        }
     }
 
     /// Of a scene that did not diverge, by its levels, its refused inputs, and whether it has outputs or probes.

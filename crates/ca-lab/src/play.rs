@@ -217,6 +217,13 @@ pub fn made(b: &Balance) -> Option<f64> {
     (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }
 
+/// Message of a scene whose scheme made more energy than it received; `None` of others.
+pub fn gained(b: &Balance) -> Option<String> {
+    let made = made(b)?;
+    let mend = "use `method = \"stable\"` for its contacts, or raise the sound rate";
+    Some(format!("its scheme made {made:.3e} J, more than the {:.3e} J that it received: {mend}", b.received))
+}
+
 /// The gain that would just fit, three digits, towards zero.
 pub fn gain(peak: f64) -> f64 {
     let ten = (1.0 / peak).log10().floor() - 2.0;

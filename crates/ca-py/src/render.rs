@@ -112,6 +112,7 @@ pub fn render<S: Sample + Element + 'static>(
     d.set_item("broke", heard.divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
     if let Some((ledger, ticks)) = &heard.energy {
         d.set_item("energy", energy(py, scene, ledger, *ticks)?)?;
+        d.set_item("gained", play::gained(&ledger.balance()))?;
     }
     Ok(d)
 }

@@ -47,6 +47,25 @@ pub fn link(code: &str, args: &str) -> String {
     bob(&format!("[{code}]\nl = {{ between = [\"wall\", \"bob\"], {args} }}\n"))
 }
 
+/// The gram between two contacts of kT²/m = `a`, whose ends these are.
+fn sides(a: f64, ends: [&str; 2]) -> String {
+    let [one, other] = ends;
+    let k = k(a);
+    bob(&format!(
+        "[BUT]\none = {{ between = [\"{one}\"], k = {k:?} }}\nother = {{ between = [\"{other}\"], k = {k:?} }}\n"
+    ))
+}
+
+#[test]
+fn contacts_on_two_sides_do_not_press_at_once() {
+    let between = found(&sides(2.5, ["wall\", \"bob", "bob\", \"wall"]));
+    assert!(!between.contains("W117"), "{between}");
+    assert!(found(&sides(2.5, ["wall\", \"bob", "wall\", \"bob"])).contains("W117"));
+    // one of them contains, so that both press from one side
+    let held = sides(2.5, ["wall\", \"bob", "bob\", \"wall"]).replace("other = {", "other = { sense = \"inside\",");
+    assert!(found(&held).contains("press at once"), "{}", found(&held));
+}
+
 /// A string of a gram each, kT²/m = 0.9, that a spring of no straight line holds in the middle.
 fn held(a: f64) -> String {
     format!(
@@ -88,6 +107,12 @@ fn limits() -> Vec<Limit> {
         ("W117", "the limit is 4", 2.0, |b| link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))),
         ("W117", "the limit is 4", 3.0, |a| link("BUT", &format!("k = {:?}, z = {:?}", k(a), z(0.5)))),
         ("W117", "the limit is 4", 4.0, |a| link("PLK", &format!("k = {:?}, d = 1", k(a)))),
+        // contacts on one side of a mass press at once, those on two sides do not
+        ("W117", "press at once", 2.0, |a| sides(a, ["wall\", \"bob", "wall\", \"bob"])),
+        ("W117", "press at once", 1.0, |b| {
+            link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))
+                .replace("[\"wall\", \"bob\"]", "[[\"wall\", \"wall\"], \"bob\"]")
+        }),
         // a chain of 0.9 with b more at one mass has the largest eigenvalue 1.8 + sqrt(1.8² + b²)
         ("W107", "the limit is 4", 1.264_911, held),
         ("W112", "has a support softer than itself", 100.0, lpr),

@@ -22,6 +22,7 @@ mod report;
 mod rigid;
 mod ripple;
 mod rules;
+mod together;
 
 use crate::net::Pruned;
 use crate::options::Effort;

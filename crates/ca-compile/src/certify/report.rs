@@ -6,7 +6,7 @@ use crate::certify::bound::Bounds;
 use crate::certify::decide::Decision;
 use crate::certify::exact::Exact;
 use crate::certify::rules::{Decides, at, contacts, devices, frictions, hardening, methods};
-use crate::certify::{keys, rigid, ripple};
+use crate::certify::{keys, rigid, ripple, together};
 use crate::findings::round_up;
 use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
@@ -58,6 +58,7 @@ pub fn report(
     let held = |l: &LiaNode, b: &Bound| exact.filter(|_| decided.few)?.mobility(net, l, b);
     let mut decides = Decides::default();
     contacts(model, net, sums, held, (&mut cert, &mut decides), diags);
+    together::together(model, net, sums, &mut cert, diags);
     frictions(model, net, sums, held, (&mut cert, &mut decides), diags);
     hardening(net, sums, held, (&mut cert, &mut decides));
     methods(model, net, sums, &mut decides, diags);

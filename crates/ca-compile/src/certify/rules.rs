@@ -95,7 +95,7 @@ pub fn contacts(
 }
 
 /// The method that a contact may have instead.
-fn stable(l: &LiaNode) -> &'static str {
+pub fn stable(l: &LiaNode) -> &'static str {
     if l.kind.param("method").is_some() { "`method = \"stable\"`" } else { "" }
 }
 

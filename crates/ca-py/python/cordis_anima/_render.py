@@ -42,7 +42,7 @@ class Render:
     #: the energy ledger, where `energy=True` asked for it
     energy: Energy | None
     #: ``ok``; ``unstable``, it diverged; ``clipped``, louder than full scale; ``refused``, an input had no value; ``mute``,
-    #: neither outputs nor probes
+    #: neither outputs nor probes; ``gained``, with `energy=True`: the scheme made more energy than it received
     status: Status
     #: what is wrong and what to do; empty where nothing is
     message: str

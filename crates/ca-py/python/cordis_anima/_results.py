@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 Sound = npt.NDArray[np.floating[Any]]
 #: how samples are kept: ``"float32"``, ``"float64"`` or the types of NumPy
 DType = npt.DTypeLike
-Status = Literal["ok", "clipped", "unstable", "refused", "mute"]
+Status = Literal["ok", "clipped", "unstable", "refused", "mute", "gained"]
 
 
 class Param(NamedTuple):

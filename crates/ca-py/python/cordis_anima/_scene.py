@@ -247,6 +247,8 @@ class Scene(Measured, Derivatives):
             status, message = "refused", f"{raw['refused']} inputs had no value"
         elif raw["mute"]:
             status, message = "mute", raw["mute"]
+        elif raw.get("gained"):
+            status, message = "gained", raw["gained"]
         places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
             audio=raw["audio"],

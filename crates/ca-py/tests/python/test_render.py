@@ -129,6 +129,18 @@ def test_a_model_that_nobody_can_hear_is_mute(key: ca.Scene) -> None:
     assert ca.sweep(silent, {"bar.m": ["1 g", "2 g"]}, seconds=0.1).counts == {"mute": 2}
 
 
+def test_a_scheme_that_makes_energy_is_not_ok() -> None:
+    ball = ca.parse(
+        "[SOL]\nl = { x = -0.01 }\nr = { x = 0.0137 }\n[MAS]\nb = { m = 1e-3, v = 0.731 }\n"
+        "[BUT]\nc = { between = ['l', 'b'], k = 1e3, z = 60 }\nd = { between = ['b', 'r'], k = 1e3, z = 60 }\n"
+        "[SOX]\no = { from = 'b', gain = 10 }\n"
+    )
+    r = ball.render(2, energy=True)
+    assert r.status == "gained" and "more than the" in r.message and r.energy is not None and r.energy.made > 1e-4
+    assert ball.render(2).status == "ok"
+    assert ca.sweep(ball, {"b.m": ["1 g", "1.01 g"]}, seconds=2, energy=True).counts.keys() == {"gained"}
+
+
 def test_what_is_shown_of_results_is_short(key: ca.Scene) -> None:
     r = key.render(0.2, gesture={"key": 0.001}, probes=["low[*]"], energy=True)
     t = key.tangents(["low.f"], 0.2, gesture={"key": 0.001})

@@ -38,6 +38,8 @@ pub fn run(args: &TuneArgs) -> Outcome {
     if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
+    // findings that are not errors, as every command that compiles shows them
+    term::findings(&loaded.diags, &loaded.model);
     Ok(Ended::Well)
 }
 

@@ -46,7 +46,7 @@ class Batch:
     values: Mapping[str, tuple[Any, ...]]
     #: what was listened to besides, by selector: (instances, frames), or (instances, frames, n) where it chose several
     probes: Mapping[str, Sound]
-    #: of each: ``ok``, ``clipped``, ``unstable``, ``refused``, ``mute`` or ``invalid``, as in a sweep
+    #: of each: ``ok``, ``clipped``, ``unstable``, ``refused``, ``mute``, ``gained`` or ``invalid``, as in a sweep
     status: npt.NDArray[np.object_]
     #: what went wrong with each; empty where nothing did
     message: tuple[str, ...]

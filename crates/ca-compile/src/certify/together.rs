@@ -1,0 +1,73 @@
+//! Contacts on one side of a mass: each may be stable by itself, and all together not.
+//!
+//! With all of them pressed, the largest eigenvalue is at least that of the mass alone: T²/m times the sum of k + 2z/T over these contacts and
+//! over the permanent links. From 4 on the mass swings ever more while it presses (docs/numerics.md §3.2). Contacts of opposite sides
+//! may never press at once, and of those in space the directions differ, so that these are judged one by one.
+
+use crate::certify::accumulate::Accumulated;
+use crate::certify::blame::{any, faster, span};
+use crate::certify::rules::stable;
+use crate::findings::round_down;
+use crate::net::{End, LiaNode, Measure, Pruned};
+use alloc::collections::{BTreeMap, BTreeSet};
+use alloc::format;
+use alloc::string::String;
+use alloc::vec::Vec;
+use ca_core::scene::certificate::Certificate;
+use ca_model::Model;
+use ca_model::diag::{Diag, Diags};
+use ca_model::quantity::Plain;
+
+/// Warns of contacts that are unstable together and not by themselves.
+pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
+    // contacts by mass, axis and side
+    let mut sides: BTreeMap<(u32, u8, bool), Vec<(&LiaNode, f64)>> = BTreeMap::new();
+    for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
+        let Measure::Line(axes) = l.measure else { continue };
+        if !b.contact || l.law.is_staged() || l.sets.is_some() {
+            continue;
+        }
+        let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
+        for (second, (end, axis)) in l.ends.into_iter().zip(axes).enumerate() {
+            if let End::Mat(m) = end {
+                let side = (second == 1) != is_inside(net, l);
+                sides.entry((m, axis, side)).or_default().push((l, k + 2.0 * z));
+            }
+        }
+    }
+    let mut reported = BTreeSet::new();
+    for ((m, ..), contacts) in sides {
+        let (mass, s) = (&net.mats[m as usize], &sums.mats[m as usize]);
+        let c = s.scaled_mobility;
+        let pressed: f64 = contacts.iter().map(|(_, h)| h).sum();
+        let at = c * (pressed + s.certain);
+        let Some((l, most)) = contacts.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        // one contact is judged by itself, with the links that hold its mass
+        if at < 4.0 || contacts.len() < 2 || c * most >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
+            continue;
+        }
+        cert.closed = cert.closed.max(at);
+        let n = contacts.len();
+        let title = format!(
+            "`{}` is unstable while its {n} contacts on one side press at once: T²k/m + 2Tz/m is {:.3}, the limit is 4",
+            mass.name,
+            Plain(at)
+        );
+        let share = round_down(100.0 * (4.0 / c - s.certain) / pressed);
+        let softer = format!("make them at most {} % as stiff and viscous", Plain(share));
+        let heavier = format!("make `{}` heavier", mass.name);
+        let method = match stable(l) {
+            "" => String::new(),
+            method => format!("use {method}"),
+        };
+        let viscous = sums.links.iter().any(|b| b.contact && b.z > 0.0);
+        let help = any(&[&method, &softer, &heavier, &faster(net, at, viscous)]);
+        diags.push(Diag::warning("W117", title).at(span(model, net, l.item), "the stiffest of them").help(help));
+    }
+}
+
+/// True of a contact that contains: it presses from the other side.
+fn is_inside(net: &Pruned, l: &LiaNode) -> bool {
+    let at = l.kind.param("sense");
+    at.and_then(|at| net.values(l.item, &l.values).get(at).copied().flatten()).is_some_and(|sense| sense != 0.0)
+}
