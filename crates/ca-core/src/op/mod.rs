@@ -328,6 +328,8 @@ pub struct Law {
     pub steepest: Steepest,
     /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
     pub simpler: fn(p: &[ParamBinding]) -> Option<&'static Law>,
+    /// all laws that [`Law::simpler`] may return
+    pub variants: &'static [&'static Law],
     /// a table the law needs whatever its parameters; its number is handed over after the last parameter
     pub table: Option<fn() -> Table>,
     /// its functions over `f64`

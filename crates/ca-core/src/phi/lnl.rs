@@ -56,7 +56,7 @@ out = { from = "bob", gain = 500 }
 crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction");
 
 /// The law of LNL; with one table only it becomes one of the next two.
-pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[at::SPRING], p[at::FRICTION]) {
+pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(&[&SPRING, &FRICTION], |p| match (p[at::SPRING], p[at::FRICTION]) {
     (_, ParamBinding::Absent) => Some(&SPRING),
     (ParamBinding::Absent, _) => Some(&FRICTION),
     _ => None,

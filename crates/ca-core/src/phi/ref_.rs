@@ -47,7 +47,7 @@ out = { from = "bob", gain = 1000 }
 crate::kind::positions!(KIND: K = "k", Z = "z");
 
 /// The law of REF.
-pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {
+pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(&[&res::LAW, &ZONLY], |p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {
     (_, true) => Some(&res::LAW),
     (true, false) => Some(&ZONLY),
     _ => None,

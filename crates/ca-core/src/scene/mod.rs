@@ -8,7 +8,7 @@ pub mod growth;
 mod identity;
 mod numbers;
 mod start;
-mod symbols;
+pub mod symbols;
 
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;

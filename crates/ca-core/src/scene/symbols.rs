@@ -6,6 +6,9 @@
 use crate::kind::name::Name;
 use alloc::vec::Vec;
 
+/// Code of a mode, which stands in place of masses and has no kind.
+pub const MODE: &str = "mode";
+
 /// Name, kind and place of a module that was compiled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symbol {
