@@ -6,6 +6,7 @@
 /// Exponents of metre, kilogram and second: `Dim { m: 0.0, kg: 1.0, s: -2.0 }` is N/m. Rational exponents occur
 /// (Hertz stiffness is N/m^1.5), hence `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dim {
     /// exponent of the metre
     pub m: f64,
