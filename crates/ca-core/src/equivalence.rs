@@ -16,6 +16,7 @@ use alloc::vec::Vec;
 
 /// Between the real and the simulated world, for one degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gains {
     /// simulated metres per real metre
     pub alpha: f64,
@@ -46,6 +47,7 @@ impl Gains {
 
 /// What a row hangs on: rows of one class are one equivalence said twice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Class {
     /// α
     Position,
@@ -189,6 +191,7 @@ pub fn anchor_for(edited: Class) -> Class {
 
 /// How a device key differs from the others.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scale {
     /// name of the TGR
     pub key: String,
@@ -207,6 +210,7 @@ impl Scale {
 
 /// The equivalence of a model.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Equivalence {
     /// of the whole
     pub gains: Gains,

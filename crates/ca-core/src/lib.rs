@@ -23,7 +23,8 @@
 //! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
 //! A tick computes with a [`numeric::Real`]: `f64`, or the number that a scene is bound to ([`Scene::bind`]), `f32` or a number with
-//! derivatives. Features: `std` (default) finds the widest instructions of the machine at run time.
+//! derivatives. Features: `std` (default) finds the widest instructions of the machine at run time; `bytes` writes compiled scenes as
+//! bytes and reads them (`Scene::to_bytes`, `Scene::from_bytes`).
 #![no_std]
 #![forbid(unsafe_code)]
 

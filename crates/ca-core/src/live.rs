@@ -46,6 +46,7 @@ pub struct DrivenParam {
 
 /// Where a number of a module comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Source {
     /// not written
     Absent,
@@ -117,6 +118,7 @@ pub struct LivePlan {
 
 /// The factor of implicit links, as far as it follows live parameters.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct LiveImplicit {
     /// what it is made of
     pub made: Inertia,

@@ -13,13 +13,14 @@ use ca_core::numeric::Real;
 use ca_core::op::{Law, LawEntry, LawFns};
 use ca_core::phi;
 
-/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi); and the list of pairs.
+/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi), its cheaper laws here; and the list of pairs.
 macro_rules! laws {
-    ($($name:ident $code:literal $of:path, $phi:ty;)*) => {
+    ($($name:ident $code:literal $of:path, $phi:ty $(: $($variant:ident)+)?;)*) => {
         $(
             pub static $name: Law = Law {
                 code: $code,
                 simpler: |p| quadripole(($of.simpler)(p)?),
+                variants: &[$($(&$variant),+)?],
                 fns: LawFns { kernel: kernel::<f64, $phi, _, _>, ..$of.fns },
                 ..$of
             };
@@ -37,12 +38,12 @@ macro_rules! laws {
 laws! {
     RES "LPR_RES" phi::res::LAW, phi::res::Res;
     FRO "LPR_FRO" phi::fro::LAW, phi::fro::Fro;
-    REF "LPR" phi::ref_::LAW, phi::ref_::Ref;
+    REF "LPR" phi::ref_::LAW, phi::ref_::Ref: RES ZONLY;
     ZONLY "LPR_FRO" phi::ref_::ZONLY, phi::fro::Fro;
     BUT "LPR_BUT" phi::but::LAW, phi::but::But;
     CUB "LPR_CUB" phi::cub::LAW, phi::cub::Cub;
     HRZ "LPR_HRZ" phi::hrz::LAW, phi::hrz::Hrz;
-    LNL "LPR_LNL" phi::lnl::LAW, phi::lnl::Lnl;
+    LNL "LPR_LNL" phi::lnl::LAW, phi::lnl::Lnl: SPRING FRICTION;
     SPRING "LPR_LNL spring" phi::lnl::SPRING, phi::lnl::TableSpring;
     FRICTION "LPR_LNL friction" phi::lnl::FRICTION, phi::lnl::TableFriction;
     PLK "LPR_PLK" phi::plk::LAW, phi::plk::Plk;
@@ -72,6 +73,7 @@ pub static BOW: Law = Law {
         let method = position("method")?;
         quadripole((phi::bow::SMOOTH.simpler)(p.get(..method)?)?)
     },
+    variants: &[&PIECEWISE, &COULOMB, &TABLE, &dry::LAW],
     ..phi::bow::SMOOTH
 };
 

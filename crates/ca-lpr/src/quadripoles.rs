@@ -93,6 +93,7 @@ macro_rules! quadripoles {
                 pub static LAW: Law = Law {
                     code: text!("LPR_", law::KIND.code),
                     simpler: |p| $crate::laws::quadripole((law::LAW.simpler)(p)?),
+                    variants: &[],
                     fns: LawFns { kernel: $crate::op::kernel::<f64, law::$phi, _, _>, ..law::LAW.fns },
                     ..law::LAW
                 };

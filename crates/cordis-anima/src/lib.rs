@@ -30,6 +30,18 @@
 //! assert!(left.iter().any(|sample| *sample != 0.0));
 //! # Ok::<(), cordis_anima::Error>(())
 //! ```
+//! With the feature `bytes` a compiled scene has a form in bytes, which a program without a compiler reads:
+#![cfg_attr(feature = "bytes", doc = "```")]
+#![cfg_attr(not(feature = "bytes"), doc = "```ignore")]
+//! use cordis_anima::{Loaded, Options, Plan, catalog};
+//!
+//! # let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
+//! let scene = Loaded::read(text, "bar.ca.toml").compile(&Options::default())?.scene;
+//! let bytes = scene.to_bytes();
+//! let again = Plan::from_bytes(&bytes, &catalog()).expect("bytes of this version");
+//! assert_eq!(again.identity(), scene.identity());
+//! # Ok::<(), cordis_anima::Error>(())
+//! ```
 //! `examples/` has a renderer (`render`), a real-time callback (`callback`), a voice in an audio host
 //! (`jack`), a law of one's own (`law`) and a sweep over
 //! threads (`sweep`). What each layer offers beyond these names is in its crate, which is here under its own name:
@@ -44,6 +56,8 @@ mod render;
 pub mod voice;
 
 pub use ca_compile::{Compiled, KernelClass, Options};
+#[cfg(feature = "bytes")]
+pub use ca_core::scene::{Plan, PlanError};
 pub use ca_core::{Catalog, Scene, State, compute_forces, integrate, process, tick};
 pub use ca_io::FileError;
 pub use ca_model::Model;

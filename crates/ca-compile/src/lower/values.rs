@@ -266,7 +266,7 @@ impl Values<'_> {
             }
             Type::PowerStiffness { exponent } => {
                 let p = self.exponent(kind, exponent, siblings)?;
-                let unit = Unit { symbol: power_symbol(p), dim: Dim::power_stiffness(p) };
+                let unit = Unit::power_stiffness(p);
                 let (v, follows) = self.number(e, unit, ca_core::kind::POSITIVE, &what)?;
                 Some((Arg::Num(v), follows))
             }
@@ -362,13 +362,4 @@ fn is_exponent(kind: &Kind, param: &Param) -> bool {
 
 fn quarters(p: f64) -> bool {
     p * 4.0 == libm::round(p * 4.0)
-}
-
-/// The unit of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
-fn power_symbol(p: f64) -> &'static str {
-    const SYMBOLS: [&str; 17] = [
-        "N/m", "N/m^1.25", "N/m^1.5", "N/m^1.75", "N/m^2", "N/m^2.25", "N/m^2.5", "N/m^2.75", "N/m^3", "N/m^3.25",
-        "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
-    ];
-    SYMBOLS.get(libm::round(4.0 * (p - 1.0)).max(0.0) as usize).copied().unwrap_or("N/m^p")
 }

@@ -27,12 +27,14 @@ use ca_core::kind::name::{Name, Part};
 use ca_core::kind::{Coefs, MatSpec, Role};
 use ca_core::live::Source;
 use ca_core::numeric::Precision;
+use ca_core::scene::symbols;
 use ca_core::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
 /// A mode: persistence, pull and mobility as they are.
 static MODE: MatSpec = MatSpec {
+    code: symbols::MODE,
     coefs: |p, _| {
         let at = |i: usize| p.get(i).copied().flatten().unwrap_or(0.0);
         Coefs { p: at(0), q: at(1), c: at(2) }
@@ -245,7 +247,7 @@ fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, ite
         numbers.push(net.mats.len() as u32);
         net.mats.push(MatNode {
             name: Name::new(&group, Part::Mode, j.into()),
-            code: "mode",
+            code: symbols::MODE,
             role: MatRole::Mat(&MODE),
             values: Arc::from([Source::Const(1.0 - b), Source::Const(-a), Source::Const(most)]),
             axes: 1,

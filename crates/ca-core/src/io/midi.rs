@@ -5,6 +5,7 @@
 
 /// What moves the port.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum MidiSource {
     /// notes `low ..= high` (0 to 127)
     Note {
@@ -23,6 +24,7 @@ pub enum MidiSource {
 
 /// What the velocity of a note says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Velocity {
     /// how far the port goes: `to` at 127
     #[default]
@@ -35,6 +37,7 @@ pub enum Velocity {
 
 /// The mapping of one port.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct MidiMap {
     /// what moves it
     pub source: MidiSource,

@@ -15,6 +15,7 @@ use alloc::vec::Vec;
 
 /// A resolved parameter, in SI.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Arg {
     /// not written and without default
     Absent,

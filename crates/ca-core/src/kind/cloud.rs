@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 
 /// Points and the pairs of them that are joined.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cloud {
     /// the points, in units of the file
     pub points: Vec<[f64; 3]>,

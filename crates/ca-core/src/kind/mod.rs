@@ -28,6 +28,8 @@ pub struct Coefs {
 /// How a kind of MAT gets its coefficients.
 #[derive(Clone, Copy)]
 pub struct MatSpec {
+    /// code of the kind
+    pub code: &'static str,
     /// from parameters in SI (in the order of [`Kind::params`]) and the tick, `tick_dt` \[s\]
     pub coefs: fn(params: &[Option<f64>], tick_dt: f64) -> Coefs,
     /// true for what never moves

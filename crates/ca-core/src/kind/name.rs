@@ -8,6 +8,7 @@ use core::fmt::{self, Write as _};
 
 /// Where in an item a module stands, e.g. `[3]` or `[3,4]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Index {
     /// it is all of it
     #[default]
@@ -43,6 +44,7 @@ impl From<[usize; 2]> for Index {
 
 /// Which list of an item a module stands in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Part {
     /// its own
     #[default]
@@ -57,6 +59,7 @@ pub enum Part {
 
 /// The name of a module.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Name {
     /// the item
     pub of: Arc<str>,

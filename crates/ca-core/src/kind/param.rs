@@ -6,6 +6,7 @@
 /// Exponents of metre, kilogram and second: `Dim { m: 0.0, kg: 1.0, s: -2.0 }` is N/m. Rational exponents occur
 /// (Hertz stiffness is N/m^1.5), hence `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dim {
     /// exponent of the metre
     pub m: f64,
@@ -84,7 +85,12 @@ pub struct Unit {
 
 macro_rules! units {
     ($($(#[$doc:meta])* $name:ident = $symbol:literal, $dim:expr;)*) => {
-        impl Unit { $($(#[$doc])* pub const $name: Unit = Unit { symbol: $symbol, dim: $dim };)* }
+        impl Unit {
+            $($(#[$doc])* pub const $name: Unit = Unit { symbol: $symbol, dim: $dim };)*
+
+            /// All units that have a name here.
+            pub const NAMED: &[Unit] = &[$(Unit::$name),*];
+        }
     };
 }
 units! {
@@ -120,6 +126,23 @@ units! {
     JOULE = "J", Dim::ENERGY;
     /// watt
     WATT = "W", Dim::POWER;
+}
+
+impl Unit {
+    /// Symbols of the stiffness of power laws of exponents 1, 1.25 … 5.
+    pub const POWERS: [&str; 17] = [
+        "N/m", "N/m^1.25", "N/m^1.5", "N/m^1.75", "N/m^2", "N/m^2.25", "N/m^2.5", "N/m^2.75", "N/m^3", "N/m^3.25",
+        "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
+    ];
+    /// Symbol of the stiffness of a power law of any other exponent.
+    pub const ANY_POWER: &str = "N/m^p";
+
+    /// Stiffness of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
+    pub fn power_stiffness(p: f64) -> Unit {
+        let place = libm::round(4.0 * (p - 1.0)).max(0.0) as usize;
+        let symbol = Unit::POWERS.get(place).copied().unwrap_or(Unit::ANY_POWER);
+        Unit { symbol, dim: Dim::power_stiffness(p) }
+    }
 }
 
 /// Whether a number must be written.

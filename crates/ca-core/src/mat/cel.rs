@@ -37,7 +37,7 @@ bar = { m = "2 g", f = "440 Hz", t60 = "2 s", dx0 = "0.5 mm" }
 [SOX]
 out = { from = "bar", gain = 1000 }
 "#,
-    role: Role::Mat(&MatSpec { coefs, fixed: false }),
+    role: Role::Mat(&MatSpec { code: "CEL", coefs, fixed: false }),
 };
 
 crate::kind::positions!(KIND: M = "m", K = "k", Z = "z", F = "f", T60 = "t60", METHOD = "method", THETA = "theta");

@@ -26,7 +26,7 @@ spring = { between = ["wall", "bob"], k = "7.6 kN/m", z = "5 mN s/m" }
 [SOX]
 out = { from = "bob", gain = 1000 }
 "#,
-    role: Role::Mat(&MatSpec { coefs, fixed: false }),
+    role: Role::Mat(&MatSpec { code: "MAS", coefs, fixed: false }),
 };
 
 crate::kind::positions!(KIND: M = "m");

@@ -24,7 +24,7 @@ spring = { between = ["wall", "bob"], k = "3 kN/m", z = "4 mN s/m" }
 [SOX]
 out = { from = "bob", gain = 500 }
 "#,
-    role: Role::Mat(&MatSpec { coefs, fixed: true }),
+    role: Role::Mat(&MatSpec { code: "SOL", coefs, fixed: true }),
 };
 
 fn coefs(_: &[Option<f64>], _: f64) -> Coefs {

@@ -26,6 +26,7 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
         bound: |_, _| Bound { curve: true, ..Bound::default() },
         stage: SolveStage::Single(together),
         simpler: |_| None,
+        variants: &[],
         fns: fns(curve.fns),
         ..curve
     }

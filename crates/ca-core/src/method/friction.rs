@@ -54,6 +54,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
         bound: bound::<P, C>,
         stage: SolveStage::Single(together),
         simpler: |_| None,
+        variants: &[],
         fns: alone_fns::<f64, P, C, NEWTON>(curve.fns),
         ..curve
     }
@@ -79,6 +80,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
         bound: bound::<P, C>,
         stage: SolveStage::Coupled,
         simpler: |_| None,
+        variants: &[],
         fns: together_fns::<f64, P, C>(curve.fns),
         ..curve
     }

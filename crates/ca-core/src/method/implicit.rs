@@ -95,6 +95,7 @@ const OF_PAIR: usize = 4;
 
 /// What the matrix is made of, for whoever factorises it: the numbers are coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertia {
     /// pattern of the factor
     pub pattern: Pattern,

@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 
 /// The pattern of L below its diagonal, by columns, in the order of elimination.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pattern {
     /// the number each row had (n), in the order of elimination
     pub order: Vec<u32>,

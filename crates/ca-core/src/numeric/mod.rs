@@ -16,6 +16,8 @@ pub use aligned::Aligned;
 pub use dual::{Dual, TANGENTS};
 pub use plain::Plain;
 pub use quarter::{quarter_mean, quarter_power, quarter_root};
+#[cfg(feature = "bytes")]
+pub use real::Stored;
 pub use real::{NONE, Precision, Real, inner, outer, real, sqrt, wide};
 pub use table::Table;
 pub use verlet::VerletList;

@@ -5,10 +5,19 @@
 
 use super::{Real, real, sqrt, wide};
 
+/// More quarters than any law has: the number is a coefficient, and a loop over it must end soon.
+const MOST: u32 = 64;
+
+/// A number of quarters.
+#[inline(always)]
+fn whole<R: Real>(n: R) -> u32 {
+    (wide(n) as u32).min(MOST)
+}
+
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
 #[inline(always)]
 pub fn quarter_power<R: Real>(x: R, n: R) -> R {
-    let n = wide(n) as u32;
+    let n = whole(n);
     let mut y = real(1.0);
     for _ in 0..n / 4 {
         y *= x;
@@ -28,7 +37,7 @@ pub fn quarter_power<R: Real>(x: R, n: R) -> R {
 /// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
 /// as n allows) it is the quotient of two sums without a difference.
 pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
-    let (mut n, mut parts, mut u, mut v) = (wide(n) as u32, 1, s, a);
+    let (mut n, mut parts, mut u, mut v) = (whole(n), 1, s, a);
     while n % (4 / parts) != 0 {
         (parts, u, v) = (2 * parts, sqrt(u), sqrt(v));
     }
@@ -42,5 +51,7 @@ pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
 /// logarithm, so this is the same on every IEEE machine.
 pub fn quarter_root<R: Real>(x: R, n: R) -> R {
     let one = 1f64.to_bits() as i64;
-    real(f64::from_bits((one + (wide(x).to_bits() as i64 - one) / wide(n) as i64 * 4) as u64))
+    // wraps for what is not x ≥ 0 with n ≥ 4
+    let part = (wide(x).to_bits() as i64).wrapping_sub(one) / i64::from(whole(n).max(1));
+    real(f64::from_bits(one.wrapping_add(part.wrapping_mul(4)) as u64))
 }

@@ -103,6 +103,16 @@ pub trait Real:
     }
 }
 
+/// A number whose bits a plan can hold ([`Scene::to_bytes`](crate::Scene::to_bytes)): `f64`.
+#[cfg(feature = "bytes")]
+pub trait Stored:
+    Real<Outer: serde::Serialize + serde::de::DeserializeOwned> + serde::Serialize + serde::de::DeserializeOwned
+{
+}
+
+#[cfg(feature = "bytes")]
+impl Stored for f64 {}
+
 /// Both precisions; roots of `std` are an instruction among its neighbours, in as many lanes as these have. That of `libm` is one
 /// of SSE by itself, in no lanes, and stalls between those of AVX. Both are correctly rounded.
 macro_rules! plain {

@@ -8,6 +8,11 @@ use alloc::vec::Vec;
 
 /// A piecewise-linear function y(x).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bytes",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(bound = "R: crate::numeric::Stored", into = "Points<R>", try_from = "Points<R>")
+)]
 pub struct Table<R: Real = f64> {
     /// abscissae, rising (n)
     x: Vec<R>,
@@ -19,6 +24,36 @@ pub struct Table<R: Real = f64> {
     per: R,
     /// largest and smallest slope of any segment
     slopes: (f64, f64),
+}
+
+/// The numbers that make a table: abscissae, values, and 1/spacing or 0.
+#[cfg(feature = "bytes")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(bound = "R: crate::numeric::Stored")]
+struct Points<R: Real> {
+    x: Vec<R>,
+    y: Vec<R>,
+    per: R,
+}
+
+#[cfg(feature = "bytes")]
+impl<R: Real> From<Table<R>> for Points<R> {
+    fn from(table: Table<R>) -> Points<R> {
+        Points { x: table.x, y: table.y, per: table.per }
+    }
+}
+
+#[cfg(feature = "bytes")]
+impl<R: Real> TryFrom<Points<R>> for Table<R> {
+    type Error = &'static str;
+    fn try_from(Points { x, y, per }: Points<R>) -> Result<Table<R>, &'static str> {
+        let rises = x.len() >= 2 && x.windows(2).all(|x| x[1] > x[0]);
+        let finite = x.iter().chain(&y).all(|v| v.is_finite()) && per.is_finite();
+        if !(rises && finite && x.len() == y.len()) {
+            return Err("the points of a table do not rise");
+        }
+        Ok(Table::of(x, y, per))
+    }
 }
 
 impl Table {

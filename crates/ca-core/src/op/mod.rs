@@ -32,6 +32,7 @@ pub type Kernel<R = f64> = fn(&Op<R>, &Layout<R>, &mut State<R>);
 
 /// Whether a run of links integrates the masses of its row too.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Integrate {
     /// it adds to their forces
     #[default]
@@ -44,6 +45,7 @@ pub enum Integrate {
 
 /// Whether one end of all links of a batch is the same place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Hub {
     /// it is not
     #[default]
@@ -56,6 +58,7 @@ pub enum Hub {
 
 /// What a folded row does with the links across it: those of a mesh, between a mass and that as many places further.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Band {
     /// there are none
     #[default]
@@ -70,6 +73,7 @@ pub enum Band {
 // answers to as many questions, any of which may be yes
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Form {
     /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
     pub stride: usize,
@@ -97,6 +101,7 @@ pub struct Form {
 
 /// What a pass does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pass {
     /// the law of its links
     Links,
@@ -328,6 +333,8 @@ pub struct Law {
     pub steepest: Steepest,
     /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
     pub simpler: fn(p: &[ParamBinding]) -> Option<&'static Law>,
+    /// all laws that [`Law::simpler`] may return
+    pub variants: &'static [&'static Law],
     /// a table the law needs whatever its parameters; its number is handed over after the last parameter
     pub table: Option<fn() -> Table>,
     /// its functions over `f64`

@@ -97,7 +97,7 @@ bow = [[0, 0], [1, "0.2 m"]]
 crate::kind::positions!(KIND: CURVE = "curve", F = "f", V0 = "v0", V1 = "v1", FD = "fd", POINTS = "points", METHOD = "method");
 
 /// The law of BOW, and what it becomes with another curve or method.
-pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(|p| {
+pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(OTHERS, |p| {
     let number = |i: usize| p.get(i).and_then(|p: &ParamBinding| p.number());
     let law = LAWS[CurveShape::of(number(at::CURVE)?) as usize][FrictionMethod::of(number(at::METHOD)) as usize];
     (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
@@ -111,6 +111,22 @@ pub static TABLE: Law = Law {
     load: |p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]),
     ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
 };
+
+/// All laws of [`LAWS`] but the first.
+static OTHERS: &[&Law] = &[
+    &SMOOTH_SECANT,
+    &SMOOTH_NEWTON,
+    &PIECEWISE,
+    &PIECEWISE_SECANT,
+    &PIECEWISE_NEWTON,
+    &COULOMB,
+    &COULOMB_SECANT,
+    &COULOMB_NEWTON,
+    &SET_VALUED,
+    &TABLE,
+    &TABLE_SECANT,
+    &TABLE_NEWTON,
+];
 
 /// Curves, each by each method.
 static LAWS: [[&Law; 4]; 4] = [

@@ -52,11 +52,12 @@ out = { from = "bar", gain = 1000 }
 crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SENSE = "sense", STICKY = "sticky", METHOD = "method");
 
 /// The law of BUT.
-pub static LAW: Law = Law::of::<But, 5, 0>("BUT").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
-    ContactMethod::Ca => None,
-    ContactMethod::Stable => Some(&STABLE),
-    ContactMethod::Stable3d => Some(&STABLE3D),
-});
+pub static LAW: Law =
+    Law::of::<But, 5, 0>("BUT").or(&[&STABLE, &STABLE3D], |p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
+        ContactMethod::Ca => None,
+        ContactMethod::Stable => Some(&STABLE),
+        ContactMethod::Stable3d => Some(&STABLE3D),
+    });
 static STABLE: Law = gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
 

@@ -55,11 +55,12 @@ out = { from = "bar", gain = 1000 }
 crate::kind::positions!(KIND: K = "k", P = "p", H = "h", D = "d", SENSE = "sense", METHOD = "method");
 
 /// The law of HRZ.
-pub static LAW: Law = Law::of::<Hrz, 5, 0>("HRZ").or(|p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
-    ContactMethod::Ca => None,
-    ContactMethod::Stable => Some(&STABLE),
-    ContactMethod::Stable3d => Some(&STABLE3D),
-});
+pub static LAW: Law =
+    Law::of::<Hrz, 5, 0>("HRZ").or(&[&STABLE, &STABLE3D], |p| match ContactMethod::of(p.get(at::METHOD)?.number()?) {
+        ContactMethod::Ca => None,
+        ContactMethod::Stable => Some(&STABLE),
+        ContactMethod::Stable3d => Some(&STABLE3D),
+    });
 static STABLE: Law = gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 

@@ -56,11 +56,12 @@ out = { from = "bob", gain = 500 }
 crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction");
 
 /// The law of LNL; with one table only it becomes one of the next two.
-pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(|p| match (p[at::SPRING], p[at::FRICTION]) {
-    (_, ParamBinding::Absent) => Some(&SPRING),
-    (ParamBinding::Absent, _) => Some(&FRICTION),
-    _ => None,
-});
+pub static LAW: Law =
+    Law::of::<Lnl, 3, 0>("LNL").or(&[&SPRING, &FRICTION], |p| match (p[at::SPRING], p[at::FRICTION]) {
+        (_, ParamBinding::Absent) => Some(&SPRING),
+        (ParamBinding::Absent, _) => Some(&FRICTION),
+        _ => None,
+    });
 /// A spring table alone.
 pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.

@@ -47,11 +47,12 @@ out = { from = "bob", gain = 1000 }
 crate::kind::positions!(KIND: K = "k", Z = "z");
 
 /// The law of REF.
-pub static LAW: Law = Law::of::<Ref, 2, 0>("REF").or(|p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {
-    (_, true) => Some(&res::LAW),
-    (true, false) => Some(&ZONLY),
-    _ => None,
-});
+pub static LAW: Law =
+    Law::of::<Ref, 2, 0>("REF").or(&[&res::LAW, &ZONLY], |p| match (p[at::K].is_zero(), p[at::Z].is_zero()) {
+        (_, true) => Some(&res::LAW),
+        (true, false) => Some(&ZONLY),
+        _ => None,
+    });
 
 /// FRO with the parameters of REF in their places.
 pub static ZONLY: Law =

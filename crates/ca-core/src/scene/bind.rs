@@ -95,7 +95,7 @@ impl Scene {
 }
 
 /// The form by which the list of forces runs links: rows that a pass of `moves` integrates are summed alone there.
-fn listed(form: Form) -> Form {
+pub(super) fn listed(form: Form) -> Form {
     Form { integrate: Integrate::No, folded: false, band: Band::None, ..form }
 }
 

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 
 /// How sure the statement is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
     /// every link is linear or of a method that keeps energy, and the bound is below the limit: passive by theorem at every setting;
     /// changing a parameter or moving a point does work. A contact or a friction at a moving port may still make some
@@ -48,6 +49,7 @@ pub enum FactorVerdict {
 
 /// A device key and what holds it.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Key {
     /// its name
     pub name: String,
@@ -63,6 +65,7 @@ pub struct Key {
 
 /// What the compiler could prove.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate {
     /// how sure
     pub level: Level,

@@ -7,8 +7,10 @@ pub mod certificate;
 pub mod growth;
 mod identity;
 mod numbers;
+#[cfg(feature = "bytes")]
+mod plan;
 mod start;
-mod symbols;
+pub mod symbols;
 
 use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
@@ -24,11 +26,14 @@ use alloc::vec::Vec;
 pub use bind::Unbound;
 use certificate::Certificate;
 pub use identity::ARITHMETIC;
+#[cfg(feature = "bytes")]
+pub use plan::{PLAN_VERSION, Plan, PlanError};
 pub use start::{Order, Start, start};
 pub use symbols::{Location, Symbol, Symbols};
 
 /// What stands in a place of [`State::input`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum InputRole {
     /// absolute position \[m\] per sound sample
     Position,
@@ -40,6 +45,7 @@ pub enum InputRole {
 
 /// One place of [`State::input`].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Input {
     /// name of the port
     pub name: String,
@@ -58,6 +64,7 @@ pub struct Input {
 /// A spring and a damper side by side from a device port to a mass, which has the links of the port instead: the device cannot
 /// render these (docs/numerics.md §5.2). In the numbers of the model.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
     /// name of the TGR
     pub port: String,

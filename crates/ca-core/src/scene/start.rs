@@ -9,6 +9,7 @@ use alloc::vec::Vec;
 
 /// How a state becomes that of the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Order {
     /// d₀ = v T − ½ (T²/m) F(x₀), docs/numerics.md §1.1: an error of the third order in one tick, of the second in
     /// speed
@@ -21,6 +22,7 @@ pub enum Order {
 
 /// The rules of a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
     /// the order of the first tick
     pub order: Order,

@@ -6,6 +6,9 @@
 use crate::kind::name::Name;
 use alloc::vec::Vec;
 
+/// Code of a mode, which stands in place of masses and has no kind.
+pub const MODE: &str = "mode";
+
 /// Name, kind and place of a module that was compiled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Symbol {
@@ -30,23 +33,23 @@ pub enum Location {
 
 /// Modules one behind the other, of one kind.
 #[derive(Clone, Debug, PartialEq)]
-struct Run {
+pub(super) struct Run {
     /// the first of them
-    name: Name,
-    code: &'static str,
-    axes: u8,
+    pub(super) name: Name,
+    pub(super) code: &'static str,
+    pub(super) axes: u8,
     /// how many modules there are before it
-    first: u32,
+    pub(super) first: u32,
 }
 
 /// All modules of a scene, MATs first.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Symbols {
-    runs: Vec<Run>,
+    pub(super) runs: Vec<Run>,
     /// places of the MATs
-    mats: Vec<u32>,
+    pub(super) mats: Vec<u32>,
     /// places of the LIAs
-    lias: Vec<[u32; 2]>,
+    pub(super) lias: Vec<[u32; 2]>,
 }
 
 impl Symbols {

@@ -20,6 +20,7 @@ pub use snapshot::{NotRestored, SNAPSHOT_VERSION, checksum};
 
 /// Nodes and weights under a moving point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Cell<R: Real = f64> {
     /// how many of the four are used: 2 on a string, 4 on a mesh
     pub n: usize,
@@ -31,6 +32,7 @@ pub struct Cell<R: Real = f64> {
 
 /// One device degree of freedom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Border {
     /// position at the start of the frame \[m\]
     pub from: f64,
@@ -44,6 +46,7 @@ pub struct Border {
 
 /// A place of a group at the gesture rate within its frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Between {
     /// position at the start of the frame \[m\], relative to rest
     pub from: f64,
@@ -56,6 +59,7 @@ pub struct Between {
 /// What a place of a group is given by a border that does not know all of a frame as it begins (`border = "compensated"`):
 /// mean forces \[N\] of frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unknown {
     /// of the links across in the frame being played: what has been summed of it
     pub(crate) sum: f64,
@@ -153,6 +157,7 @@ impl Fold {
 
 /// Which scene a state or a patch belongs to; the default is that of no scene. How it comes about: `scene/identity.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Identity(pub(crate) u64);
 
 /// A length that nobody keeps yet, in [`State::lengths`].

@@ -50,6 +50,7 @@ impl Method {
 
 /// How the linear part of an item is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Scheme {
     /// by the explicit scheme
     #[default]

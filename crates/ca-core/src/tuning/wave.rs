@@ -60,6 +60,7 @@ impl WaveguideSpec {
 
 /// The filter at an end.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loss<N = f64> {
     /// middle tap
     pub a: N,

@@ -188,6 +188,11 @@ fn functions_of_every_law_are_found_by_its_code() {
                 _ => ParamBinding::Absent,
             };
             let p: Vec<ParamBinding> = kind.params.iter().map(choice).collect();
+            let family = law.family();
+            let mut check = |law: &'static Law| {
+                assert!(family.iter().any(|known| core::ptr::eq(*known, law)), "{} of {}", law.code, kind.code);
+                check(law);
+            };
             let mut law = law;
             check(law);
             while let Some(simpler) = (law.simpler)(&p) {

@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 
 /// A parameter that a port drives.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Driven<R: Real = f64> {
     /// the port: a place in [`State::input`](crate::state::State::input)
     pub input: u32,

@@ -11,6 +11,7 @@ use alloc::vec::Vec;
 
 /// A place of a group and its copy in the state of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Copied {
     /// place in the state of the group
     pub own: u32,
@@ -20,6 +21,7 @@ pub struct Copied {
 
 /// What the sound side answers in a frame, as linear functions of what is known as it begins. Numbers of a port stand in a row.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Response {
     /// places in the state of the scene whose position and motion count (any)
     pub places: Vec<u32>,

@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 
 /// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Row {
     /// how many
     pub len: usize,

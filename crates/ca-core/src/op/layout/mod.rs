@@ -26,6 +26,7 @@ use alloc::vec::Vec;
 
 /// How a port of a link measures its two ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeasureKind {
     /// the difference of two places: on a line, or along one axis of space
     #[default]
@@ -38,6 +39,7 @@ pub enum MeasureKind {
 
 /// The ports of a batch of links: how they measure, and where their numbers stand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ports {
     /// of the first port
     pub measure: MeasureKind,
@@ -52,6 +54,7 @@ pub struct Ports {
 
 /// Two sets of points in space of which every pair is joined, or all pairs of one.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct PairSet {
     /// first slot of each member, those of the first set first (members)
     pub members: Vec<u32>,
@@ -78,6 +81,7 @@ impl PairSet {
 
 /// A position port.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Enx<R: Real = f64> {
     /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
@@ -92,6 +96,7 @@ pub struct Enx<R: Real = f64> {
 
 /// A force port.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Enf {
     /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
@@ -101,6 +106,7 @@ pub struct Enf {
 
 /// Where a coordinate of a moving point comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum CoordinateSource {
     /// a coefficient, which may be live
     Coef(u32),
@@ -110,6 +116,7 @@ pub enum CoordinateSource {
 
 /// A moving point: a MAT without mass that stands between nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct MovingPoint {
     /// its own place among the MATs
     pub mat: u32,
@@ -123,6 +130,7 @@ pub struct MovingPoint {
 
 /// How the position of a device comes in and its force goes out where a frame has several ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
     /// linear position, trapezoid mean force
     #[default]
@@ -133,6 +141,7 @@ pub enum Shape {
 
 /// How device ports cross the border between the rates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
     /// positions in, forces out
     pub shape: Shape,
@@ -144,6 +153,7 @@ pub struct Crossing {
 
 /// How device ports cross the border: by their [`Shape`], or tick by tick where a frame has one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Way {
     /// one tick a frame
     Synchronous,
@@ -162,6 +172,7 @@ impl Default for Crossing {
 /// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
 /// no mass with another are pairs, which need none.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct ImplicitLinks<R: Real = f64> {
     /// slots in the state, in the order of elimination (n)
     pub places: Vec<u32>,
@@ -177,6 +188,7 @@ pub struct ImplicitLinks<R: Real = f64> {
 
 /// An implicit link on a line that is solved by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pair {
     /// slots in the state of its ends
     pub ends: [u32; 2],
@@ -186,6 +198,7 @@ pub struct Pair {
 
 /// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct LinkForce<R: Real = f64> {
     /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
@@ -210,6 +223,7 @@ pub struct Substeps<R: Real = f64> {
 
 /// The arrays.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Layout<R: Real = f64> {
     /// sound sample \[s\], 1/rate
     pub sample_dt: f64,
@@ -281,6 +295,7 @@ pub struct Layout<R: Real = f64> {
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
     /// links of fused passes whose forces are heard (any)
+    #[cfg_attr(feature = "bytes", serde(skip))]
     pub heard: Vec<HeardLink<R>>,
     /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
     pub outputs: Vec<Output>,
@@ -296,12 +311,16 @@ pub struct Layout<R: Real = f64> {
     /// what is solved in each tick, where implicit links are solved together
     pub implicit: Option<ImplicitLinks<R>>,
     /// what the ledger needs, where the scene keeps one
+    #[cfg_attr(feature = "bytes", serde(skip))]
     pub ledger: Option<LedgerPlan<R>>,
     /// groups at the gesture rate
+    #[cfg_attr(feature = "bytes", serde(skip))]
     pub slow: Option<Arc<SlowGroup<R>>>,
     /// where a sample has several ticks
+    #[cfg_attr(feature = "bytes", serde(skip))]
     pub substeps: Option<Substeps<R>>,
     /// the vectors its passes use; the bits are the same with all
+    #[cfg_attr(feature = "bytes", serde(skip))]
     pub vectors: Vectors,
 }
 

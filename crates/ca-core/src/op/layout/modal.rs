@@ -2,6 +2,7 @@
 
 /// A mass in a group that goes by its modes: a MAT without mass, the sum of its shares in modes that stand in a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Modal {
     /// its own place among the MATs
     pub mat: u32,
@@ -16,6 +17,7 @@ pub struct Modal {
 /// A mass that goes by its modes and at which a link counts on the motion to come (`stable`, `secant`, `newton`, `set-valued`):
 /// its place has the mobility of all its modes together as a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolvedModal {
     /// index into [`Layout::modal`](super::Layout::modal)
     pub modal: u32,
@@ -33,6 +35,7 @@ impl SolvedModal {
 
 /// Several of them in one group, whose contacts are solved together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModalCoupling {
     /// the first, an index into [`Layout::solved_modal`](super::Layout::solved_modal)
     pub first: u32,

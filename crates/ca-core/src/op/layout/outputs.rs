@@ -6,6 +6,7 @@ use crate::op::Law;
 
 /// What an output hears.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Tap {
     /// displacement of a MAT from its rest position; of outputs that hear motion, how far it went in the last tick
     Position(u32),
@@ -38,6 +39,7 @@ pub struct HeardLink<R: Real = f64> {
 
 /// An output or a probe.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Output {
     /// index into [`State::output`](crate::state::State)
     pub channel: u32,
@@ -47,6 +49,7 @@ pub struct Output {
 
 /// The outputs of a channel, which follow each other in [`Layout::outputs`](super::Layout::outputs).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutputRow {
     /// index into [`State::output`](crate::state::State)
     pub channel: u32,
@@ -58,6 +61,7 @@ pub struct OutputRow {
 
 /// The high pass of an output, y ← r·y + g·(v − v′).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct DcBlocker<R: Real = f64> {
     /// what stays of y each tick
     pub r: R,

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 /// A place where a waveguide is touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Junction<R: Real = f64> {
     /// the MAT it is
     pub mat: u32,
@@ -17,6 +18,7 @@ pub struct Junction<R: Real = f64> {
 
 /// What a wave meets at the end of its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub enum Termination<R: Real = f64> {
     /// nothing: on to the next junction
     Open,
@@ -33,6 +35,7 @@ pub enum Termination<R: Real = f64> {
 
 /// A way that waves take, from one side of a junction to a side of the same or of the next: a ring of waves.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Delay<R: Real = f64> {
     /// the junction they leave
     pub junction: usize,
@@ -50,6 +53,7 @@ pub struct Delay<R: Real = f64> {
 
 /// The waveguides of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Waves<R: Real = f64> {
     /// where they are touched (any)
     pub junctions: Vec<Junction<R>>,

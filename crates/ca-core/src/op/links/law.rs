@@ -37,6 +37,7 @@ impl Law {
             bound: |c, tables| P::bound(&numbers(c), tables),
             steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
             simpler: |_| None,
+            variants: &[],
             table: None,
             fns: LawFns::of::<P, C, M>(),
         }
@@ -47,11 +48,32 @@ impl Law {
         !matches!(self.stage, SolveStage::Explicit)
     }
 
-    /// The same law with a rule that picks a cheaper one.
+    /// The same law with a rule that picks a cheaper one among `variants`.
     #[must_use]
-    pub const fn or(mut self, simpler: fn(&[ParamBinding]) -> Option<&'static Law>) -> Law {
+    pub const fn or(
+        mut self,
+        variants: &'static [&'static Law],
+        simpler: fn(&[ParamBinding]) -> Option<&'static Law>,
+    ) -> Law {
+        self.variants = variants;
         self.simpler = simpler;
         self
+    }
+
+    /// This law and all laws that may run in its place.
+    pub fn family(&'static self) -> Vec<&'static Law> {
+        let mut all = alloc::vec![self];
+        let mut next = 0;
+        while let Some(law) = all.get(next).copied() {
+            let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
+            for variant in law.variants.iter().copied().chain(other) {
+                if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
+                    all.push(variant);
+                }
+            }
+            next += 1;
+        }
+        all
     }
 
     /// The same law with a table of its own.

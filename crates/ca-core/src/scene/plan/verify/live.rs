@@ -1,0 +1,57 @@
+//! Live parameters: what a change reads and writes ([`Controls`](crate::live::Controls)).
+
+use super::super::known::Known;
+use super::{Verified, Wrong, each, ensure, within};
+use crate::kind::Role;
+use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader};
+use crate::method::implicit::Inertia;
+use crate::op::layout::Layout;
+
+/// Values that the modules of a generator hand to a law of REF: its parameters up to the rest length.
+const OF_GENERATOR: usize = 4;
+
+/// A plan of a layout; `live` counts the live coefficients of its state.
+pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
+    let coefs = plan.coefs.len() == live && each(&plan.coefs, l.n_coef);
+    ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient is not there")?;
+    plan.items.iter().try_for_each(|i| item(i, live, known))?;
+    plan.implicit.as_ref().map_or(Ok(()), |a| implicit(a, live))
+}
+
+fn item(item: &LiveItem, live: usize, known: &Known) -> Verified {
+    let follows = item.follows.iter().all(|(arg, ..)| *arg < item.args.len());
+    ensure(follows, "a live item follows a parameter that it does not have")?;
+    let derived = item.generator.is_none() || item.args.len() == item.kind.params.len();
+    ensure(derived, "a live item has other parameters than its kind")?;
+    item.modules.iter().try_for_each(|m| module(m, item, live, known))
+}
+
+fn module(m: &LiveModule, item: &LiveItem, live: usize, known: &Known) -> Verified {
+    ensure(each(&m.to, live), "a live module sets a coefficient that is not there")?;
+    let least = match m.loader {
+        Loader::Times(_) => 0,
+        Loader::Mat(spec, _) => known.mat(spec.code).map_or(usize::MAX, |(kind, _)| kind.params.len()),
+        // its parameters may be left out at the end
+        Loader::Lia(law) if law.implicit => 0,
+        // the number of a table stands behind the parameters
+        Loader::Lia(law) => {
+            let of_kind = matches!(item.kind.role, Role::Lia(_)).then_some(item.kind.params.len());
+            of_kind.unwrap_or(OF_GENERATOR) + usize::from(law.table.is_some())
+        }
+    };
+    ensure(m.values.len() >= least, "a live module has fewer values than parameters")
+}
+
+fn implicit(a: &LiveImplicit, live: usize) -> Verified {
+    let Inertia { pattern, mobility, links, entries, pairs: _ } = &a.made;
+    ensure(super::arrays::pattern(pattern), "the live pattern of implicit links is not a factor")?;
+    let rows = mobility.len();
+    let entry = entries.iter().all(|(row, _)| (*row as usize) < rows);
+    let link = links.iter().all(|(_, [first, n])| within(*first as usize, *n as usize, entries.len()));
+    ensure(rows == pattern.size() && entry && link, "the live factor of implicit links has other rows")?;
+    if within(a.first as usize, a.made.numbers(), live) {
+        Ok(())
+    } else {
+        Err(Wrong("a live factor is beyond the coefficients"))
+    }
+}
