@@ -12,6 +12,7 @@
 //! What is not here: the tick (`ca-core`), models (`ca-model`, `ca-compile`), and what people type and see (`ca-cli`, `ca-play`).
 mod blocks;
 pub mod calibration;
+pub mod control;
 pub mod coupling;
 pub mod engine;
 pub mod equivalence;

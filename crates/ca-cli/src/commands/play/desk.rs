@@ -12,11 +12,13 @@ use crate::args::PlayArgs;
 use crate::commands::serve::{self, Inputs, answer};
 use ca_core::Scene;
 use ca_haptic::engine::{GLIDE, Setup};
+use ca_haptic::frame::{Cause, Mode};
 use ca_haptic::host::control::Request;
 use ca_haptic::serve::{Recorder, Shared};
 use ca_play::{Page, PageRequest};
+use ca_session::protocol::{Asked, Bound, Choices, DeviceState, Message, Picked, Request as PageAsks};
 use ca_view::Drawing;
-use serde_json::{Map, Value, json};
+use serde_json::Value;
 use std::any::Any;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -27,6 +29,9 @@ const NEWS: Duration = Duration::from_millis(250);
 
 /// Longest name of a device of sound \[bytes\].
 const NAME: usize = 300;
+
+/// Longest MIDI of a request \[bytes\]: as much as a chord needs.
+const MIDI: usize = 96;
 
 /// The page of a running engine.
 pub(crate) struct Desk {
@@ -51,8 +56,8 @@ pub(crate) struct Desk {
     news: Instant,
 }
 
-/// What is answered: words for people, and more for the page.
-type Answer = Result<(String, Map<String, Value>), String>;
+/// What is answered: words for people, and the mass that was asked for.
+type Answer = Result<(String, Option<Picked>), String>;
 
 impl Desk {
     pub(super) fn new(
@@ -110,7 +115,7 @@ impl Desk {
         bad |= !ok;
         self.plays &= ok;
         let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
-        self.page.tell_all(&json!({"type": "report", "ok": ok, "text": text}));
+        self.page.tell_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
@@ -119,151 +124,149 @@ impl Desk {
         recorder: &mut Recorder,
         inputs: &mut Inputs,
         client: u64,
-        request: &Value,
+        request: &PageAsks,
         leave: &mut bool,
     ) -> Answer {
-        let done = |text: &str| Ok((text.to_string(), Map::new()));
+        let done = |text: &str| Ok((text.to_string(), None));
         let mut control = |recorder: &mut Recorder, request: Request| {
             let reply = answer(recorder, request, leave, None);
-            if reply.ok { Ok((reply.text, reply.fields)) } else { Err(reply.text) }
+            if reply.ok { Ok((reply.text, None)) } else { Err(reply.text) }
         };
-        match request["type"].as_str().unwrap_or_default() {
-            "grab" => {
+        match request {
+            PageAsks::Grab { mass } => {
                 if self.holder.is_some_and(|h| h != client) {
                     return Err("somebody else holds a mass".into());
                 }
-                recorder.grab(self.mass(request)?)?;
+                recorder.grab(self.mass(*mass)?.1)?;
                 self.holder = Some(client);
                 done("held")
             }
-            "drag" => {
+            PageAsks::Drag { by } => {
                 if self.holder != Some(client) {
                     return Err("no mass is held; grab one first".into());
                 }
-                recorder.drag(vector(&request["by"])?)?;
+                recorder.drag(vector(by.as_deref())?)?;
                 done("pulled")
             }
-            "release" => {
+            PageAsks::Release => {
                 if self.holder == Some(client) {
                     self.holder = None;
                     recorder.release()?;
                 }
                 done("let go")
             }
-            "gesture" => {
-                recorder.gesture(request["play"] == true)?;
-                done(if request["play"] == true { "the model's own gesture plays" } else { "the gesture has stopped" })
+            PageAsks::Gesture { play } => {
+                recorder.gesture(*play)?;
+                done(if *play { "the model's own gesture plays" } else { "the gesture has stopped" })
             }
-            "port" => {
-                let name = request["name"].as_str().ok_or("`name`: which port?")?;
-                recorder.port(name, request["value"].as_f64().ok_or("`value` is a number [m or N]")?, GLIDE)?;
+            PageAsks::Port { name, value } => {
+                let name = name.as_deref().ok_or("`name`: which port?")?;
+                recorder.port(name, value.ok_or("`value` is a number [m or N]")?, GLIDE)?;
                 done(name)
             }
-            "change" => {
-                let [name, value] = ["name", "value"].map(|k| request[k].as_str().unwrap_or_default().trim());
+            PageAsks::Change { name, value } => {
+                let [name, value] = [name, value].map(|text| text.trim());
                 if name.is_empty() || value.is_empty() {
                     return Err("`name` and `value`: which number of the model, and what it is to be".into());
                 }
                 self.edit.change(name, value)?;
                 done("the model is made anew")
             }
-            "restart" => {
+            PageAsks::Restart => {
                 self.edit.restart();
                 done("all begins as at load")
             }
-            "play" => {
+            PageAsks::Play => {
                 self.edit.restart();
                 self.plays = true;
                 done("all begins as at load, and plays")
             }
-            "midi" => {
-                inputs.midi(recorder, &bytes(&request["bytes"])?);
+            PageAsks::Midi { bytes } => {
+                let bytes = bytes.as_deref().filter(|b| b.len() <= MIDI);
+                inputs.midi(recorder, bytes.ok_or_else(|| format!("`bytes` are up to {MIDI} numbers from 0 to 255"))?);
                 done("played")
             }
-            "learn" => {
-                inputs.learn(recorder, request["name"].as_str())?;
-                done(if request["name"].is_string() { "move a controller" } else { "no controller is bound" })
+            PageAsks::Learn { name } => {
+                let name = name.as_ref().and_then(Option::as_deref);
+                inputs.learn(recorder, name)?;
+                done(if name.is_some() { "move a controller" } else { "no controller is bound" })
             }
-            "audio" => {
-                let name = request["device"].as_str().unwrap_or_default().trim();
+            PageAsks::Audio { device } => {
+                let name = device.trim();
                 if name.is_empty() || name.len() > NAME {
                     return Err(format!("`device` is the name of what plays, of {NAME} bytes at most"));
                 }
                 recorder.outputs().ask(name)?;
                 done("it is opened")
             }
-            "record" => done(&self.keep.record(request["on"] == true, &self.scene)?),
-            "save" => done(&self.keep.save(recorder)?),
-            "set" => {
-                let values = serde_json::from_value(request["values"].clone())
-                    .map_err(|_| "`values` are names with numbers, or texts with units".to_string())?;
+            PageAsks::Record { on } => done(&self.keep.record(*on, &self.scene)?),
+            PageAsks::Save => done(&self.keep.save(recorder)?),
+            PageAsks::Set { values } => {
+                let values = values.clone().ok_or("`values` are names with numbers, or texts with units")?;
                 control(recorder, Request::Set { values })
             }
-            "arm" if request["on"] == true && !self.allow_arm => {
+            PageAsks::Arm { on: true } if !self.allow_arm => {
                 Err("forces are not armed from here: use `ca arm`, or start with --allow-arm".into())
             }
-            "arm" if request["on"] == true => control(recorder, Request::Arm { device: None }),
-            "arm" => control(recorder, Request::Disarm { device: None }),
-            "stop" => control(recorder, Request::Stop),
-            "pick" => self.pick(request),
-            other => Err(format!("`{other}` is nothing a page can ask")),
+            PageAsks::Arm { on: true } => control(recorder, Request::Arm { device: None }),
+            PageAsks::Arm { on: false } => control(recorder, Request::Disarm { device: None }),
+            PageAsks::Stop => control(recorder, Request::Stop),
+            PageAsks::Pick { mass } => self.pick(*mass),
+            // answered by the server of the page
+            PageAsks::Sound { .. } => done(""),
         }
     }
 
-    /// Number of the MAT that a request is about.
-    fn mass(&self, request: &Value) -> Result<usize, String> {
-        let drawn = request["mass"].as_u64().ok_or("`mass` is a number of the drawing")?;
+    /// Number in the drawing and number of the MAT that a request is about.
+    fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), String> {
+        let drawn = mass.ok_or("`mass` is a number of the drawing")?;
         let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
-        mass.ok_or_else(|| format!("{drawn}: there is no such mass to touch"))
+        mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch"))
     }
 
     /// What a mass is.
-    fn pick(&self, request: &Value) -> Answer {
-        let mass = self.mass(request)?;
+    fn pick(&self, mass: Option<u64>) -> Answer {
+        let (drawn, mass) = self.mass(mass)?;
         let symbol = self.scene.symbols.get(mass).ok_or("no such mass")?;
-        let mut fields = Map::new();
-        fields.insert("mass".into(), request["mass"].clone());
-        fields.insert("name".into(), json!(symbol.name.to_string()));
-        fields.insert("kind".into(), json!(symbol.code));
-        Ok((symbol.name.to_string(), fields))
+        let name = symbol.name.to_string();
+        Ok((name.clone(), Some(Picked { mass: drawn, name, kind: symbol.code.into() })))
     }
 
     /// How it goes.
-    fn state(&self, recorder: &mut Recorder, inputs: &Inputs, shared: &Shared) -> Value {
+    fn state(&self, recorder: &mut Recorder, inputs: &Inputs, shared: &Shared) -> Message {
         let (_, tick) = recorder.progress();
         let stats = self.stats.get();
-        let devices: Vec<Value> = recorder
-            .devices()
-            .map(|(name, mode, cause, _)| json!({"name": name, "mode": mode.name(), "cause": cause.name()}))
-            .collect();
-        let params: Map<String, Value> =
-            recorder.controls().params().iter().map(|p| (p.name.clone(), json!(p.value))).collect();
+        let device = |name: &str, mode: Mode, cause: Cause| DeviceState {
+            name: name.into(),
+            mode: mode.name().into(),
+            cause: cause.name().into(),
+        };
+        let bound = |(channel, number, name): (u8, u8, &str)| Bound { channel, number, name: name.into() };
         let outputs = recorder.outputs();
-        let outputs = json!({"choices": outputs.choices, "wanted": outputs.wanted, "busy": outputs.busy});
-        json!({
-            "type": "state",
-            "tick": tick,
-            "seconds": tick as f64 / self.scene.rate,
-            "load": stats.as_ref().map(|s| s.load),
-            "late": shared.missed.load(Relaxed),
-            "lost": recorder.lost(),
-            "clipped": shared.clipped.load(Relaxed),
-            "diverged": shared.diverged.load(Relaxed),
-            "playing": recorder.playing(),
-            "pointer": recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
-            "devices": devices,
-            "params": params,
-            "clients": self.page.clients(),
-            "learning": inputs.learning(),
-            "bound": inputs.bound().map(|(c, n, name)| json!({"channel": c, "number": n, "name": name})).collect::<Value>(),
-            "sound": self.sound,
-            "outputs": outputs,
-            "latency": recorder.heard().map(|h| h.1),
-            "underruns": stats.as_ref().map(|s| s.underruns),
-            "arms": self.allow_arm,
-            "keeps": self.keep.keeps(),
-            "recording": self.keep.recording().map(|p| p.display().to_string()),
-        })
+        let outputs = Choices { choices: outputs.choices.clone(), wanted: outputs.wanted.clone(), busy: outputs.busy };
+        Message::State {
+            tick,
+            seconds: tick as f64 / self.scene.rate,
+            load: stats.as_ref().map(|s| s.load),
+            late: shared.missed.load(Relaxed),
+            lost: recorder.lost(),
+            clipped: shared.clipped.load(Relaxed),
+            diverged: shared.diverged.load(Relaxed),
+            playing: recorder.playing(),
+            pointer: recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
+            devices: recorder.devices().map(|(name, mode, cause, _)| device(name, mode, cause)).collect(),
+            params: recorder.controls().params().iter().map(|p| (p.name.clone(), p.value)).collect(),
+            clients: self.page.clients() as u64,
+            learning: inputs.learning().map(Into::into),
+            bound: inputs.bound().map(bound).collect(),
+            sound: self.sound.clone(),
+            outputs,
+            latency: recorder.heard().map(|h| h.1),
+            underruns: stats.as_ref().map(|s| s.underruns),
+            arms: self.allow_arm,
+            keeps: self.keep.keeps(),
+            recording: self.keep.recording().map(|p| p.display().to_string()),
+        }
     }
 }
 
@@ -311,22 +314,21 @@ impl serve::Desk for Desk {
                 if self.holder == Some(client) {
                     self.holder = None;
                     if let Err(why) = recorder.release() {
-                        self.page.tell_all(&json!({"type": "said", "bad": true, "text": why}));
+                        self.page.tell_all(&Message::Said { bad: true, text: why });
                     }
                 }
                 continue;
             };
-            let (ok, text, mut fields) = match self.answer(recorder, inputs, client, &request, &mut leave) {
-                Ok((text, fields)) => (true, text, fields),
-                Err(why) => (false, why, Map::new()),
+            let Asked { id, request } = request;
+            let answer = request.and_then(|r| self.answer(recorder, inputs, client, &r, &mut leave));
+            let (ok, text, picked) = match answer {
+                Ok((text, picked)) => (true, text, picked),
+                Err(why) => (false, why, None),
             };
             // of what nobody numbered only a refusal is worth a word
-            if request.get("id").is_some() || !ok {
-                fields.insert("type".into(), json!("reply"));
-                fields.insert("id".into(), request["id"].clone());
-                fields.insert("ok".into(), json!(ok));
-                fields.insert("text".into(), json!(text));
-                self.page.tell(client, &Value::Object(fields));
+            if id.is_some() || !ok {
+                let id = id.unwrap_or(Value::Null);
+                self.page.tell(client, &Message::Reply { id, ok, text, picked });
             }
         }
         let now = Instant::now();
@@ -338,22 +340,11 @@ impl serve::Desk for Desk {
     }
 }
 
-/// MIDI, as much as a chord needs.
-fn bytes(list: &Value) -> Result<Vec<u8>, String> {
-    let why = "`bytes` are up to 96 numbers from 0 to 255";
-    let list = list.as_array().filter(|l| l.len() <= 96).ok_or(why)?;
-    let byte = |v: &Value| v.as_u64().and_then(|n| u8::try_from(n).ok());
-    list.iter().map(byte).collect::<Option<Vec<u8>>>().ok_or_else(|| why.into())
-}
-
 /// One number, or three.
-fn vector(by: &Value) -> Result<[f64; 3], String> {
-    let why = "`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space";
-    let list: Option<Vec<f64>> = by.as_array().ok_or(why)?.iter().map(Value::as_f64).collect();
-    let list = list.ok_or(why)?;
-    match list[..] {
-        [u] => Ok([u, 0.0, 0.0]),
-        [x, y, z] => Ok([x, y, z]),
-        _ => Err(why.into()),
+fn vector(by: Option<&[f64]>) -> Result<[f64; 3], String> {
+    match by {
+        Some([u]) => Ok([*u, 0.0, 0.0]),
+        Some([x, y, z]) => Ok([*x, *y, *z]),
+        _ => Err("`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space".into()),
     }
 }

@@ -8,9 +8,9 @@ use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
 use ca_haptic::version::Version;
 use ca_io::FileError;
-use ca_play::{Feed, message};
+use ca_play::Feed;
+use ca_session::protocol::{Message, binary};
 use ca_view::Drawing;
-use serde_json::json;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples of a block, for each channel.
@@ -109,7 +109,7 @@ impl Sink for PageSink {
         }
         self.samples.extend_from_slice(frames);
         if self.samples.len() >= BLOCK * self.channels {
-            message::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
+            binary::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
             self.feed.sound(&self.message);
             self.samples.clear();
         }
@@ -119,7 +119,7 @@ impl Sink for PageSink {
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         // pictures of the version before are none of this one
         if self.feed.is_seen() && tick >= self.since {
-            message::view(&mut self.message, self.generation, tick as f64);
+            binary::view(&mut self.message, self.generation, tick as f64);
             self.drawing.view(x, &mut self.message);
             self.feed.view(&self.message);
         }
@@ -132,7 +132,7 @@ impl Sink for PageSink {
             if self.pictures.is_multiple_of(ENERGIES) {
                 let seconds = tick as f64 * self.sample;
                 let joules = self.energy.of(d);
-                self.feed.tell_all(&json!({"type": "energy", "seconds": seconds, "motion": joules}));
+                self.feed.tell_all(&Message::Energy { seconds, motion: joules });
             }
         }
         Ok(())
@@ -153,7 +153,7 @@ impl Sink for PageSink {
     }
 
     fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
-        self.feed.tell_all(&json!({"type": "said", "bad": notice.bad, "text": notice.text}));
+        self.feed.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
         Ok(())
     }
 }

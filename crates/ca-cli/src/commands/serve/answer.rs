@@ -104,7 +104,7 @@ pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64
 }
 
 /// A live parameter, for programs; a bound that is infinite is null.
-pub(crate) fn param(p: &LiveParam) -> Value {
+fn param(p: &LiveParam) -> Value {
     json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
 }
 

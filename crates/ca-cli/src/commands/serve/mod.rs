@@ -17,7 +17,7 @@ mod wav;
 use crate::args::{ClockKind, ServeArgs};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
-pub(super) use answer::{answer, param};
+pub(super) use answer::answer;
 use ca_compile::Options;
 use ca_haptic::coupling;
 use ca_haptic::engine::Engine;
