@@ -8,6 +8,7 @@ use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
 use crate::pending::Pending;
+use ca_session::Audience;
 use ca_session::protocol::{Asked, Message, Request};
 use serde_json::Value;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -97,35 +98,9 @@ impl Page {
         self.asked.try_iter()
     }
 
-    /// Pages that are open.
-    pub fn clients(&self) -> usize {
-        locked(&self.hub.clients).len()
-    }
-
-    /// What feeds all pages, for another thread.
+    /// The pages that are open.
     pub fn feed(&self) -> Feed {
         Feed(self.hub.clone())
-    }
-
-    /// Who comes from now on is sent this first; who is here, now.
-    pub fn greet(&self, greeting: &Message) {
-        let text = text(greeting);
-        (*locked(&self.hub.greeting)).clone_from(&text);
-        self.hub.all(|c| c.tell(text.clone()));
-    }
-
-    /// Tells one client.
-    pub fn tell(&self, client: u64, message: &Message) {
-        self.hub.all(|c| {
-            if c.number == client {
-                c.tell(text(message));
-            }
-        });
-    }
-
-    /// Tells all clients.
-    pub fn tell_all(&self, message: &Message) {
-        self.feed().tell_all(message);
     }
 }
 
@@ -146,37 +121,46 @@ impl Drop for Page {
     }
 }
 
-/// Feeds all pages, from any thread; never waits for one.
+/// The pages that are open, for any thread.
 #[derive(Clone)]
 pub struct Feed(Arc<Hub>);
 
-impl Feed {
-    /// True where a page is open: nothing needs to be drawn for nobody.
-    pub fn is_seen(&self) -> bool {
-        !locked(&self.0.clients).is_empty()
+impl Audience for Feed {
+    fn greet(&self, scene: &Message) {
+        let text = text(scene);
+        (*locked(&self.0.greeting)).clone_from(&text);
+        self.0.all(|c| c.tell(text.clone()));
     }
 
-    /// True where a page wants sound.
-    pub fn is_heard(&self) -> bool {
+    fn tell(&self, page: u64, message: &Message) {
+        self.0.all(|c| {
+            if c.number == page {
+                c.tell(text(message));
+            }
+        });
+    }
+
+    fn tell_all(&self, message: &Message) {
+        let text = text(message);
+        self.0.all(|c| c.tell(text.clone()));
+    }
+
+    fn count(&self) -> usize {
+        locked(&self.0.clients).len()
+    }
+
+    fn is_heard(&self) -> bool {
         locked(&self.0.clients).iter().any(|c| c.hears.load(Relaxed))
     }
 
-    /// Sends a picture ([`binary::view`](ca_session::protocol::binary::view)); one that was not fetched yet is left out.
-    pub fn view(&self, picture: &[u8]) {
+    fn view(&self, picture: &[u8]) {
         let bytes = Bytes::copy_from_slice(picture);
         self.0.all(|c| c.view(bytes.clone()));
     }
 
-    /// Sends sound ([`binary::sound`](ca_session::protocol::binary::sound)) to those who asked for it.
-    pub fn sound(&self, block: &[u8]) {
+    fn sound(&self, block: &[u8]) {
         let bytes = Bytes::copy_from_slice(block);
         self.0.all(|c| c.sound(bytes.clone()));
-    }
-
-    /// Tells all clients.
-    pub fn tell_all(&self, message: &Message) {
-        let text = text(message);
-        self.0.all(|c| c.tell(text.clone()));
     }
 }
 

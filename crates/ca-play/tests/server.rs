@@ -4,6 +4,7 @@
 mod skipped;
 
 use ca_play::Page;
+use ca_session::Audience as _;
 use ca_session::protocol::{self, Asked, Request, binary};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -103,25 +104,25 @@ fn a_page_is_greeted_asks_and_is_answered() {
     let grab = Asked { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
     assert_eq!(asked[0].request, Some(grab));
     let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
-    page.tell(asked[0].client, &reply);
+    page.feed().tell(asked[0].client, &reply);
     assert_eq!(text(&mut s)["id"], 7);
     for wrong in ["", "7", "[]", "{", "null", "\"x\""] {
         s.send(Message::text(wrong)).unwrap();
         let reply = text(&mut s);
         assert_eq!((&reply["type"], &reply["ok"]), (&json!("reply"), &json!(false)), "{wrong:?}: {reply}");
     }
-    page.greet(&said_by("second"));
+    page.feed().greet(&said_by("second"));
     assert_eq!(text(&mut s)["text"], "second");
     assert_eq!(text(&mut socket(&page))["text"], "second");
     // one that vanishes is reported, so that what it holds is let go
-    let before = page.clients();
+    let before = page.feed().count();
     drop(s);
     let mut gone = Vec::new();
     until("it is gone", || {
         gone.extend(page.asked().filter(|a| a.request.is_none()));
         gone.iter().any(|g| g.client == asked[0].client)
     });
-    assert!(page.clients() < before);
+    assert!(page.feed().count() < before);
 }
 
 #[test]
@@ -161,7 +162,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let picture = vec![0_u8; 1 << 20];
     for n in 0..200 {
         feed.view(&picture);
-        page.tell_all(&said_by(&n.to_string()));
+        page.feed().tell_all(&said_by(&n.to_string()));
     }
     for n in 0..200 {
         assert_eq!(text(&mut quick)["text"], n.to_string());
@@ -169,12 +170,12 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     // it asks nothing, but what it is sent has an end: the queue of its news
     let news = said_by(&"x".repeat(1000));
     let begin = Instant::now();
-    while page.clients() == 2 && begin.elapsed() < Duration::from_secs(60) {
+    while page.feed().count() == 2 && begin.elapsed() < Duration::from_secs(60) {
         // the quick one keeps up, however busy the machine is
-        (0..16).for_each(|_| page.tell_all(&news));
+        (0..16).for_each(|_| page.feed().tell_all(&news));
         (0..16).for_each(|_| drop(text(&mut quick)));
     }
-    assert_eq!(page.clients(), 1, "the slow one is closed");
+    assert_eq!(page.feed().count(), 1, "the slow one is closed");
 }
 
 #[test]
@@ -191,7 +192,7 @@ fn who_floods_is_closed() {
             let _ = page.asked().count();
         }
         assert!(sent < 20_000, "closed after {sent}");
-        until("no client is left", || page.clients() == 0);
+        until("no client is left", || page.feed().count() == 0);
     }
 }
 
@@ -207,7 +208,7 @@ fn who_sends_frames_without_end_is_closed() {
     let pieces = [0x00, 0x80, 0, 0, 0, 0].repeat(1000);
     let sent = (0..5000).take_while(|_| s.write_all(&pieces).is_ok()).count();
     assert!(begun && sent < 5000, "closed after {sent}");
-    until("no client is left", || page.clients() == 0);
+    until("no client is left", || page.feed().count() == 0);
 }
 
 /// A client that is there and reads nothing holds nothing for long.
@@ -230,7 +231,7 @@ fn who_answers_no_ping_lets_go() {
     }
     assert!(released.contains(&0), "the first client holds what it held: {released:?}");
     let other = socket(&page);
-    assert!(page.clients() >= 2, "it is still there");
+    assert!(page.feed().count() >= 2, "it is still there");
     drop(other);
 }
 

@@ -1,6 +1,28 @@
 //! One playing instrument, as a page and a program use it, without operating system, threads and transport.
 //!
-//! [`protocol`] has a type for each message between the page of `ca play` and the program.
+//! [`Session`] answers requests of pages and hands new versions of the model to the recorder; [`PageSink`] sends pictures,
+//! sound and news; [`Midi`] plays MIDI; [`answer`](fn@answer) serves `ca set` and the like. [`protocol`] has a type for each
+//! message between the page of `ca play` and the program.
+//!
+//! The traits in this crate name everything else: pages ([`Audience`]), the language ([`Language`]), the compiler
+//! ([`Maker`]) and files ([`Keeper`]). The caller gives the time.
 #![forbid(unsafe_code)]
 
+mod answer;
+mod audience;
+mod edit;
+mod energy;
+mod greeting;
+mod host;
+mod midi;
+mod picture;
 pub mod protocol;
+mod session;
+
+pub use answer::{Change, answer, value};
+pub use audience::Audience;
+pub use greeting::greeting;
+pub use host::{Keeper, Language, Made, Maker, Making};
+pub use midi::Midi;
+pub use picture::PageSink;
+pub use session::{Parts, Session};

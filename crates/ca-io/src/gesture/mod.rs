@@ -15,7 +15,9 @@
 
 use crate::error::{FileError, FileErrorKind, shown};
 use crate::reading;
+use ca_core::Scene;
 use ca_core::io::midi::MidiMap;
+use ca_core::scene::Input;
 use std::path::Path;
 
 pub(crate) mod csv;
@@ -38,6 +40,12 @@ pub struct PortMap {
     pub port: String,
     /// notes, controller, bend or pressure, and what they mean in the unit of the port
     pub map: MidiMap,
+}
+
+/// The ports of a scene that listen to MIDI.
+pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
+    let map = |i: &Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    scene.inputs.iter().filter_map(map).collect()
 }
 
 /// A file format a gesture can come from.

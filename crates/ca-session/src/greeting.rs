@@ -1,17 +1,16 @@
-//! What a page is sent first: what there is to see and to touch.
+//! The message `scene`: everything that a page shows and plays.
 
-use super::energy::KineticEnergy;
-use crate::commands::render::stability;
+use crate::energy::KineticEnergy;
+use crate::protocol::{Message, Param, PortInfo, PortRole};
 use ca_core::Scene;
 use ca_core::io::midi::MidiSource;
 use ca_core::live::LiveParam;
 use ca_core::scene::{Input, InputRole};
-use ca_session::protocol::{Message, Param, PortInfo, PortRole};
 use ca_view::Drawing;
 use std::collections::BTreeSet;
 
-/// The message `scene`.
-pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32) -> Message {
+/// The message `scene` of version `generation` of the model called `model`. `stability` says in words what is proven.
+pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, stability: String) -> Message {
     let params = scene.controls().params().iter().map(param).collect();
     let ports = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
     Message::Scene {
@@ -28,7 +27,7 @@ pub(super) fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation
         notes: notes(scene),
         seconds: scene.seconds,
         energy: KineticEnergy::new(scene).names().to_vec(),
-        stability: stability(&scene.certificate),
+        stability,
     }
 }
 
