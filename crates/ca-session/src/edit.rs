@@ -64,7 +64,7 @@ impl Edit {
 
     /// Takes a version that was compiled for devices of these setups, or the reason why there is none, and begins the next
     /// compilation. To be called every few milliseconds.
-    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Made, String>> {
+    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, String>> {
         self.again |= self.maker.is_new();
         if let Some(why) = self.maker.gone() {
             return Some(Err(why));

@@ -44,7 +44,7 @@ pub enum Making {
     /// it goes on
     Busy,
     /// it ended: the version, or in words why the model cannot be played
-    Done(Result<Made, String>),
+    Done(Result<Box<Made>, String>),
 }
 
 /// Compiles new versions of the model, one at a time and beside the engine.

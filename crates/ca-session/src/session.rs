@@ -187,7 +187,8 @@ impl Session {
         }
         let Some(made) = self.edit.turn(setups) else { return };
         let mut bad = made.is_err();
-        let made = made.and_then(|Made { version, drawing, said, softened, setups }| {
+        let made = made.and_then(|made| {
+            let Made { version, drawing, said, softened, setups } = *made;
             bad = softened;
             let (scene, anew) = (version.scene.clone(), version.anew);
             recorder.swap(version, &setups)?;

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// The files that a model takes parts from, and the result.
-type Making = (Vec<String>, Result<Made, String>);
+type Making = (Vec<String>, Result<Box<Made>, String>);
 
 /// Compiles versions of a model, each on a thread of its own, and watches the file of the model.
 pub(super) struct Compiler {
@@ -89,7 +89,7 @@ fn make(
     (options, setups): (Options, &[Setup]),
     anew: bool,
     files: &mut Vec<String>,
-) -> Result<Made, String> {
+) -> Result<Box<Made>, String> {
     let words = |e: Failure| match e {
         Failure::Usage(text) | Failure::Failed(text) => text,
         Failure::Found(found) => render::text(&found.diags, &found.model, false),
@@ -113,5 +113,5 @@ fn make(
     let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
     let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
-    Ok(Made { version, drawing, said, softened: !softened.is_empty(), setups })
+    Ok(Box::new(Made { version, drawing, said, softened: !softened.is_empty(), setups }))
 }

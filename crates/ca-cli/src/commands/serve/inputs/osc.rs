@@ -170,7 +170,7 @@ fn message(
     }
     match (m.addr.as_str(), args) {
         ("/param", [OscType::String(name), v]) => {
-            sets.push((name.clone(), value(recorder, &ModelLanguage, name, given(v)?)?))
+            sets.push((name.clone(), value(recorder, &ModelLanguage, name, given(v)?)?));
         }
         ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
