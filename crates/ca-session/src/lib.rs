@@ -1,7 +1,8 @@
 //! One playing instrument, as a page and a program use it, without operating system, threads and transport.
 //!
 //! [`Session`] answers requests of pages and hands new versions of the model to the recorder; [`PageSink`] sends pictures,
-//! sound and news; [`Midi`] plays MIDI; [`answer`](fn@answer) serves `ca set` and the like. [`protocol`] has a type for each
+//! sound and news; [`Midi`] plays MIDI; [`answer`](fn@answer) serves `ca set` and the like. [`Instrument`] is all of
+//! them with an engine, for programs without threads. [`protocol`] has a type for each
 //! message between the page of `ca play` and the program.
 //!
 //! The traits in this crate name everything else: pages ([`Audience`]), the language ([`Language`]), the compiler
@@ -14,6 +15,7 @@ mod edit;
 mod energy;
 mod greeting;
 mod host;
+mod instrument;
 mod midi;
 mod picture;
 pub mod protocol;
@@ -23,6 +25,7 @@ pub use answer::{Change, answer, value};
 pub use audience::Audience;
 pub use greeting::greeting;
 pub use host::{Keeper, Language, Made, Maker, Making};
+pub use instrument::Instrument;
 pub use midi::Midi;
 pub use picture::PageSink;
 pub use session::{Parts, Session};

@@ -200,6 +200,13 @@ impl Live {
         }
     }
 
+    /// One gesture frame that begins in time, for a caller with a clock for itself.
+    pub fn step(&mut self) {
+        let begin = now_ns();
+        self.frame();
+        self.timed(FrameTiming { start: Start::default(), took: now_ns() - begin });
+    }
+
     /// Hands over how a frame went, or counts it.
     fn timed(&mut self, timing: FrameTiming) {
         if self.rings.timings.push(timing).is_err() {
