@@ -14,7 +14,7 @@ pub enum Given {
     Text(String),
 }
 
-/// What is asked.
+/// A request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Request {
@@ -44,7 +44,7 @@ pub enum Request {
     Stop,
 }
 
-/// What is answered.
+/// The answer to a request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reply {
     /// whether it was done

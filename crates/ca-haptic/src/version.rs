@@ -35,7 +35,7 @@ mod text {
         /// Of `model`, to which `changes` were made.
         pub fn of(model: &Model, changes: Vec<(String, String)>) -> ModelText {
             let resolved = write::write(model);
-            // a model that a program built has no text but this one
+            // a model that a program built has only this text
             let built = model.text.is_empty();
             let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
             ModelText {

@@ -41,7 +41,7 @@ export {};
  */
 
 /**
- * What may play the sound.
+ * The outputs of the sound among which a page chooses.
  * @typedef {object} Choices
  * @property {Array<string>} choices names that can be asked for; empty where nothing can be chosen
  * @property {string} wanted the name that is to play
@@ -220,7 +220,7 @@ export {};
  * @property {string|null} learning the parameter that the next MIDI controller is bound to
  * @property {Array<Bound>} bound MIDI controllers that are bound to parameters
  * @property {string} sound what plays the sound: `page`, or the name of a sound server or device
- * @property {Choices} outputs what may play the sound
+ * @property {Choices} outputs the outputs of the sound
  * @property {number|null} latency time from the model to the ear, where something other than the page plays [ms]
  * @property {number|null} underruns times the sound device had nothing to play; `null` in the first second
  * @property {boolean} arms whether a page may arm forces

@@ -8,7 +8,7 @@ use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
 use crate::pending::Pending;
-use ca_session::Audience;
+use ca_session::Pages;
 use ca_session::protocol::{Asked, Message, Request};
 use serde_json::Value;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
@@ -125,7 +125,7 @@ impl Drop for Page {
 #[derive(Clone)]
 pub struct Feed(Arc<Hub>);
 
-impl Audience for Feed {
+impl Pages for Feed {
     fn greet(&self, scene: &Message) {
         let text = text(scene);
         (*locked(&self.0.greeting)).clone_from(&text);

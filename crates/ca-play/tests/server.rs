@@ -4,7 +4,7 @@
 mod skipped;
 
 use ca_play::Page;
-use ca_session::Audience as _;
+use ca_session::Pages as _;
 use ca_session::protocol::{self, Asked, Request, binary};
 use proptest::prelude::*;
 use serde_json::{Value, json};

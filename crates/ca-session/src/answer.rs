@@ -87,7 +87,7 @@ pub fn answer(
 /// The value of a live parameter \[SI\].
 ///
 /// # Errors
-/// In words, if there is no such parameter, or the text is not a quantity of its unit.
+/// In words, if the parameter does not exist, or the text is not a quantity of its unit.
 pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Given) -> Result<f64, String> {
     let params = recorder.controls().params();
     if name.len() > LONGEST {

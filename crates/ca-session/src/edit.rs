@@ -14,7 +14,7 @@ const LONGEST: usize = 300;
 /// Name and value of a number of the model.
 type Number = (String, String);
 
-/// Decides what is compiled next.
+/// The changes of the numbers, and the compilation under way.
 pub(crate) struct Edit {
     maker: Box<dyn Maker>,
     /// numbers that were changed since the start, in order

@@ -19,7 +19,7 @@ pub trait Language {
     /// The name that is nearest to `word`, if one is near.
     fn nearest(&self, word: &str, names: &[&str]) -> Option<String>;
 
-    /// What is proven of the stability of a scene, in one line.
+    /// The proven stability of a scene, in one line.
     fn stability(&self, scene: &Scene) -> String;
 }
 
@@ -30,7 +30,7 @@ pub struct Made {
     /// its drawing
     pub drawing: Arc<Drawing>,
     /// its warnings, in words; empty without any
-    pub said: String,
+    pub warnings: String,
     /// whether keys of devices were softened, or are too stiff
     pub softened: bool,
     /// devices as this version plays them
@@ -67,9 +67,9 @@ pub trait Maker {
 }
 
 /// Writes files of a performance: recorded sound, and takes.
-pub trait Keeper {
+pub trait Files {
     /// True if what was done can be saved as a take.
-    fn keeps(&self) -> bool;
+    fn can_save(&self) -> bool;
 
     /// The file into which sound is recorded now.
     fn recording(&self) -> Option<String>;

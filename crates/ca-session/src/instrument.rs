@@ -3,9 +3,9 @@
 //! `ca play` runs the engine on a thread of real time and everything else beside it. Here the caller asks for gesture frames,
 //! and all parts run in turn. Time is the time of the model.
 
-use crate::audience::Audience;
 use crate::greeting::greeting;
 use crate::midi::Midi;
+use crate::pages::Pages;
 use crate::picture::PageSink;
 use crate::protocol::Asked;
 use crate::session::{Parts, Session};
@@ -35,10 +35,10 @@ pub struct Instrument {
 
 impl Instrument {
     /// An instrument at rest. Pages that are open are greeted; sound and pictures go to `sink`.
-    pub fn new(scene: &Arc<Scene>, parts: Parts, sink: Box<dyn Audience>) -> Instrument {
+    pub fn new(scene: &Arc<Scene>, parts: Parts, sink: Box<dyn Pages>) -> Instrument {
         let drawing = Arc::new(Drawing::new(scene));
         let stability = parts.language.stability(scene);
-        parts.audience.greet(&greeting(scene, &drawing, &parts.name, 1, stability));
+        parts.pages.greet(&greeting(scene, &drawing, &parts.name, 1, stability));
         let sink = PageSink::new(sink, drawing.clone(), scene);
         let session = Session::new(parts, scene.clone(), drawing, &sink);
         let shared = Arc::new(Shared::default());
@@ -57,7 +57,7 @@ impl Instrument {
         Duration::from_secs_f64(self.frames as f64 * self.period)
     }
 
-    /// Plays so many gesture frames.
+    /// Plays this number of gesture frames.
     pub fn play(&mut self, frames: u64) {
         let mut left = frames;
         while left > 0 {

@@ -5,27 +5,27 @@
 //! them with an engine, for programs without threads. [`protocol`] has a type for each
 //! message between the page of `ca play` and the program.
 //!
-//! The traits in this crate name everything else: pages ([`Audience`]), the language ([`Language`]), the compiler
-//! ([`Maker`]) and files ([`Keeper`]). The caller gives the time.
+//! The traits in this crate name everything else: pages ([`Pages`]), the language ([`Language`]), the compiler
+//! ([`Maker`]) and files ([`Files`]). The caller gives the time.
 #![forbid(unsafe_code)]
 
 mod answer;
-mod audience;
 mod edit;
 mod energy;
 mod greeting;
 mod host;
 mod instrument;
 mod midi;
+mod pages;
 mod picture;
 pub mod protocol;
 mod session;
 
 pub use answer::{Change, answer, value};
-pub use audience::Audience;
 pub use greeting::greeting;
-pub use host::{Keeper, Language, Made, Maker, Making};
+pub use host::{Files, Language, Made, Maker, Making};
 pub use instrument::Instrument;
 pub use midi::Midi;
+pub use pages::Pages;
 pub use picture::PageSink;
 pub use session::{Parts, Session};

@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Channel and number of a controller.
 type Control = (u8, u8);
 
-/// MIDI of all cables. Times are those of the caller's clock.
+/// MIDI of all cables. The caller's clock gives the times.
 pub struct Midi {
     live: LiveMidi,
     /// the parameter that a controller sets
@@ -118,7 +118,7 @@ impl Midi {
     /// controller is waited for.
     ///
     /// # Errors
-    /// In words, if there is no such parameter, or it has no bounds.
+    /// In words, if the parameter does not exist, or lacks bounds.
     pub fn learn(&mut self, recorder: &Recorder, name: Option<&str>) -> Result<(), String> {
         if let Some(name) = name {
             let params = recorder.controls().params();

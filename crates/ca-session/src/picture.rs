@@ -3,8 +3,8 @@
 //! Without a page nothing is drawn or sent. Sound is sent in blocks of 5 ms, because a message for each gesture frame would
 //! cost the page more than playing it.
 
-use crate::audience::Audience;
 use crate::energy::KineticEnergy;
+use crate::pages::Pages;
 use crate::protocol::{Message, binary};
 use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
@@ -44,7 +44,7 @@ impl Coming {
 
 /// Sends pictures, sound and news to the pages.
 pub struct PageSink {
-    audience: Box<dyn Audience>,
+    pages: Box<dyn Pages>,
     drawing: Arc<Drawing>,
     channels: usize,
     stats: Stats,
@@ -64,10 +64,10 @@ pub struct PageSink {
 }
 
 impl PageSink {
-    /// A sink for the pages of `audience`, which shows `scene` as `drawing` has it.
-    pub fn new(audience: Box<dyn Audience>, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
+    /// A sink for `pages`, which shows `scene` as `drawing` has it.
+    pub fn new(pages: Box<dyn Pages>, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
         PageSink {
-            audience,
+            pages,
             drawing,
             channels: scene.channels,
             energy: KineticEnergy::new(scene),
@@ -98,7 +98,7 @@ impl Sink for PageSink {
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        if !self.audience.is_heard() {
+        if !self.pages.is_heard() {
             self.samples.clear();
             return Ok(());
         }
@@ -111,7 +111,7 @@ impl Sink for PageSink {
         self.samples.extend_from_slice(frames);
         if self.samples.len() >= BLOCK * self.channels {
             binary::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
-            self.audience.sound(&self.message);
+            self.pages.sound(&self.message);
             self.samples.clear();
         }
         Ok(())
@@ -119,21 +119,21 @@ impl Sink for PageSink {
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         // pictures of the version before do not belong to this one
-        if self.audience.is_seen() && tick >= self.since {
+        if self.pages.is_seen() && tick >= self.since {
             binary::view(&mut self.message, self.generation, tick as f64);
             self.drawing.view(x, &mut self.message);
-            self.audience.view(&self.message);
+            self.pages.view(&self.message);
         }
         Ok(())
     }
 
     fn motion(&mut self, tick: u64, d: &[f64]) -> Result<(), FileError> {
-        if self.audience.is_seen() && tick >= self.since {
+        if self.pages.is_seen() && tick >= self.since {
             self.pictures += 1;
             if self.pictures.is_multiple_of(ENERGIES) {
                 let seconds = tick as f64 * self.sample;
                 let joules = self.energy.of(d);
-                self.audience.tell_all(&Message::Energy { seconds, motion: joules });
+                self.pages.tell_all(&Message::Energy { seconds, motion: joules });
             }
         }
         Ok(())
@@ -154,7 +154,7 @@ impl Sink for PageSink {
     }
 
     fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
-        self.audience.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
+        self.pages.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
         Ok(())
     }
 }

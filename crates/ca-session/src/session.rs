@@ -4,11 +4,11 @@
 //! it is released when that page closes. A page arms forces only where the command line allows it.
 
 use crate::answer::answer;
-use crate::audience::Audience;
 use crate::edit::Edit;
 use crate::greeting::greeting;
-use crate::host::{Keeper, Language, Made, Maker};
+use crate::host::{Files, Language, Made, Maker};
 use crate::midi::Midi;
+use crate::pages::Pages;
 use crate::picture::{Coming, PageSink, Stats};
 use crate::protocol::{Asked, Bound, Choices, DeviceState, Message, Picked, Request as PageAsks};
 use ca_core::Scene;
@@ -34,13 +34,13 @@ const MIDI: usize = 96;
 /// The parts that the host gives a session.
 pub struct Parts {
     /// the pages
-    pub audience: Box<dyn Audience>,
+    pub pages: Box<dyn Pages>,
     /// the language of the model
     pub language: Box<dyn Language>,
     /// compiles edits
     pub maker: Box<dyn Maker>,
     /// writes files
-    pub keeper: Box<dyn Keeper>,
+    pub files: Box<dyn Files>,
     /// name of the model
     pub name: String,
     /// a page may arm forces
@@ -49,9 +49,9 @@ pub struct Parts {
 
 /// One instrument that plays, with its pages.
 pub struct Session {
-    audience: Box<dyn Audience>,
+    pages: Box<dyn Pages>,
     language: Box<dyn Language>,
-    keeper: Box<dyn Keeper>,
+    files: Box<dyn Files>,
     edit: Edit,
     name: String,
     allow_arm: bool,
@@ -79,11 +79,11 @@ type Answer = Result<(String, Option<Picked>), String>;
 impl Session {
     /// A session that plays `scene`, whose pages are fed by `sink`.
     pub fn new(parts: Parts, scene: Arc<Scene>, drawing: Arc<Drawing>, sink: &PageSink) -> Session {
-        let Parts { audience, language, maker, keeper, name, allow_arm } = parts;
+        let Parts { pages, language, maker, files, name, allow_arm } = parts;
         Session {
-            audience,
+            pages,
             language,
-            keeper,
+            files,
             edit: Edit::new(maker),
             name,
             allow_arm,
@@ -114,14 +114,14 @@ impl Session {
     }
 
     /// Ends the session; what is still being written ends with the result.
-    pub fn close(self) -> Box<dyn Keeper> {
-        self.keeper
+    pub fn close(self) -> Box<dyn Files> {
+        self.files
     }
 
     /// Reports files that were finished and takes new versions of the model; without `setups` no version. To be called every
     /// few milliseconds. False while the engine changes to another version: requests then wait.
     pub fn turn(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
-        self.keeper.turn(recorder);
+        self.files.turn(recorder);
         if recorder.is_swapping() {
             return false;
         }
@@ -149,7 +149,7 @@ impl Session {
         // a request without a number is answered only if it is refused
         if id.is_some() || !ok {
             let id = id.unwrap_or(Value::Null);
-            self.audience.tell(client, &Message::Reply { id, ok, text, picked });
+            self.pages.tell(client, &Message::Reply { id, ok, text, picked });
         }
         leave
     }
@@ -159,16 +159,16 @@ impl Session {
         if self.holder == Some(client) {
             self.holder = None;
             if let Err(why) = recorder.release() {
-                self.audience.tell_all(&Message::Said { bad: true, text: why });
+                self.pages.tell_all(&Message::Said { bad: true, text: why });
             }
         }
     }
 
     /// Sends the message `state`, if it is due.
     pub fn news(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
-        if now >= self.news && self.audience.is_seen() {
+        if now >= self.news && self.pages.is_seen() {
             self.news = now + NEWS;
-            self.audience.tell_all(&self.state(recorder, midi, shared));
+            self.pages.tell_all(&self.state(recorder, midi, shared));
         }
     }
 
@@ -178,7 +178,7 @@ impl Session {
             midi.version(&scene);
             (self.scene, self.drawing, self.holder) = (scene, drawing, None);
             let stability = self.language.stability(&self.scene);
-            self.audience.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
+            self.pages.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
             if core::mem::take(&mut self.plays) && !self.scene.gestures.is_empty() {
                 if let Err(why) = recorder.gesture(true) {
                     recorder.say(true, why);
@@ -188,20 +188,20 @@ impl Session {
         let Some(made) = self.edit.turn(setups) else { return };
         let mut bad = made.is_err();
         let made = made.and_then(|made| {
-            let Made { version, drawing, said, softened, setups } = *made;
+            let Made { version, drawing, warnings, softened, setups } = *made;
             bad = softened;
             let (scene, anew) = (version.scene.clone(), version.anew);
             recorder.swap(version, &setups)?;
             self.generation += 1;
             self.coming.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
-            Ok((if anew { "begins anew" } else { "the model was read again" }, said))
+            Ok((if anew { "begins anew" } else { "the model was read again" }, warnings))
         });
         let ok = made.is_ok();
         bad |= !ok;
         self.plays &= ok;
         let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
-        self.audience.tell_all(&Message::Report { ok, text: text.clone() });
+        self.pages.tell_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
@@ -290,8 +290,8 @@ impl Session {
                 recorder.outputs().ask(name)?;
                 done("it is opened")
             }
-            PageAsks::Record { on } => done(&self.keeper.record(*on, &self.scene)?),
-            PageAsks::Save => done(&self.keeper.save(recorder)?),
+            PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
+            PageAsks::Save => done(&self.files.save(recorder)?),
             PageAsks::Set { values } => {
                 let values = values.clone().ok_or("`values` are names with numbers, or texts with units")?;
                 control(recorder, Request::Set { values })
@@ -347,7 +347,7 @@ impl Session {
             pointer: recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
             devices: recorder.devices().map(|(name, mode, cause, _)| device(name, mode, cause)).collect(),
             params: recorder.controls().params().iter().map(|p| (p.name.clone(), p.value)).collect(),
-            clients: self.audience.count() as u64,
+            clients: self.pages.count() as u64,
             learning: midi.learning().map(Into::into),
             bound: midi.bound().map(bound).collect(),
             sound: self.sound.clone(),
@@ -355,8 +355,8 @@ impl Session {
             latency: recorder.heard().map(|h| h.1),
             underruns: stats.as_ref().map(|s| s.underruns),
             arms: self.allow_arm,
-            keeps: self.keeper.keeps(),
-            recording: self.keeper.recording(),
+            keeps: self.files.can_save(),
+            recording: self.files.recording(),
         }
     }
 }

@@ -6,7 +6,7 @@ use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
 use ca_session::protocol::{Asked, Message};
-use ca_session::{Audience, Instrument, Keeper, Language, Made, Maker, Making, Parts};
+use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts};
 use ca_view::Drawing;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -40,7 +40,7 @@ fn scene(changes: &[(String, String)]) -> Result<Arc<Scene>, String> {
 
 /// Everything that pages were sent.
 #[derive(Clone, Default)]
-struct Pages(Rc<RefCell<Sent>>);
+struct FakePages(Rc<RefCell<Sent>>);
 
 #[derive(Default)]
 struct Sent {
@@ -49,7 +49,7 @@ struct Sent {
     sound: Vec<u8>,
 }
 
-impl Pages {
+impl FakePages {
     fn put(&self, message: &Message) {
         self.0.borrow_mut().texts.push(serde_json::from_str(&message.text()).unwrap());
     }
@@ -59,7 +59,7 @@ impl Pages {
     }
 }
 
-impl Audience for Pages {
+impl Pages for FakePages {
     fn greet(&self, scene: &Message) {
         self.put(scene);
     }
@@ -108,7 +108,7 @@ impl Maker for Compiler {
             Box::new(Made {
                 drawing: Arc::new(Drawing::new(&scene)),
                 version: Version::new(scene, anew),
-                said: String::new(),
+                warnings: String::new(),
                 softened: false,
                 setups: Vec::new(),
             })
@@ -128,8 +128,8 @@ impl Maker for Compiler {
 
 struct NoFiles;
 
-impl Keeper for NoFiles {
-    fn keeps(&self) -> bool {
+impl Files for NoFiles {
+    fn can_save(&self) -> bool {
         false
     }
     fn recording(&self) -> Option<String> {
@@ -144,13 +144,13 @@ impl Keeper for NoFiles {
     }
 }
 
-fn instrument() -> (Instrument, Pages) {
-    let pages = Pages::default();
+fn instrument() -> (Instrument, FakePages) {
+    let pages = FakePages::default();
     let parts = Parts {
-        audience: Box::new(pages.clone()),
+        pages: Box::new(pages.clone()),
         language: Box::new(Numbers),
         maker: Box::<Compiler>::default(),
-        keeper: Box::new(NoFiles),
+        files: Box::new(NoFiles),
         name: "bob".into(),
         allow_arm: false,
     };
@@ -158,7 +158,7 @@ fn instrument() -> (Instrument, Pages) {
 }
 
 /// The answer to a request of page 1.
-fn ask(instrument: &mut Instrument, pages: &Pages, request: Value) -> (bool, String) {
+fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
     let mut request = request;
     request["id"] = json!(9);
     assert!(!instrument.ask(1, Asked::read(request)));

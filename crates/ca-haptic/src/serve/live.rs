@@ -200,14 +200,14 @@ impl Live {
         }
     }
 
-    /// One gesture frame that begins in time, for a caller with a clock for itself.
+    /// One gesture frame that begins in time, for a caller that has its own clock.
     pub fn step(&mut self) {
         let begin = now_ns();
         self.frame();
         self.timed(FrameTiming { start: Start::default(), took: now_ns() - begin });
     }
 
-    /// Hands over how a frame went, or counts it.
+    /// Sends the timing of a frame to the recorder; counts it as lost if the ring is full.
     fn timed(&mut self, timing: FrameTiming) {
         if self.rings.timings.push(timing).is_err() {
             self.shared.lost_timings.fetch_add(1, Relaxed);

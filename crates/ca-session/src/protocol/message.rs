@@ -1,4 +1,4 @@
-//! What the program tells a page.
+//! Messages of the program to a page.
 
 use super::define::{messages, record};
 use super::js::Js;
@@ -73,7 +73,7 @@ messages! {
         bound: Vec<Bound>,
         /// what plays the sound: `page`, or the name of a sound server or device
         sound: String,
-        /// what may play the sound
+        /// the outputs of the sound
         outputs: Choices,
         /// time from the model to the ear, where something other than the page plays \[ms\]
         latency: Option<f64>,
@@ -177,7 +177,7 @@ record! {
 }
 
 record! {
-    /// What may play the sound.
+    /// The outputs of the sound among which a page chooses.
     Choices {
         /// names that can be asked for; empty where nothing can be chosen
         choices: Vec<String>,
@@ -200,7 +200,7 @@ record! {
     }
 }
 
-/// What a port takes.
+/// The quantity that a port takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PortRole {

@@ -18,7 +18,7 @@ pub fn page() -> String {
          Made by `UPDATE=1 cargo test -p ca-session --test protocol` from the types in `crates/ca-session/src/protocol`: do \
          not edit.\n\n\
          Version {VERSION}. Text is JSON, an object with a `type`. A page sends requests over the socket `ws` beside its \
-         own address ([play.md](play.md#who-can-reach-it)); each request that has an `id` is answered by a `reply` with the \
+         own address ([play.md](play.md)); each request that has an `id` is answered by a `reply` with the \
          same `id`, and each one that is refused, too.\n"
     );
     section(&mut text, "From the page", "type", &Request::kinds());
@@ -46,7 +46,7 @@ fn section(text: &mut String, title: &str, first: &str, kinds: &[Kind]) {
     }
 }
 
-/// The fields of a kind as they stand in the object: the fields of `picked` are among those of a reply.
+/// The fields of a kind as they stand in the object: a reply has the fields of `picked` itself.
 fn fields(kind: &Kind) -> Vec<(String, String, String)> {
     let mut all = Vec::new();
     for (name, js, doc) in &kind.fields {

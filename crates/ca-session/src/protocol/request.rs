@@ -1,4 +1,4 @@
-//! What a page asks of the program.
+//! Requests of a page to the program.
 
 use super::define::messages;
 use ca_haptic::control::Given;

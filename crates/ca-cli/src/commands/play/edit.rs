@@ -1,4 +1,4 @@
-//! Edit and hear: reads and compiles a model that was saved or changed, on a thread of its own.
+//! Edit and hear: a separate thread reads and compiles a model that was saved or changed.
 
 use crate::args::{ServeArgs, Source};
 use crate::watch::Watch;
@@ -17,7 +17,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 /// The files that a model takes parts from, and the result.
 type Making = (Vec<String>, Result<Box<Made>, String>);
 
-/// Compiles versions of a model, each on a thread of its own, and watches the file of the model.
+/// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(super) struct Compiler {
     source: Source,
     options: Options,
@@ -113,5 +113,5 @@ fn make(
     let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
     let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
-    Ok(Box::new(Made { version, drawing, said, softened: !softened.is_empty(), setups }))
+    Ok(Box::new(Made { version, drawing, warnings: said, softened: !softened.is_empty(), setups }))
 }

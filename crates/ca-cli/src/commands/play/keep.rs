@@ -15,7 +15,7 @@ use ca_haptic::take::{Header, Recovered, TakeWriter, recover};
 use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut, Written};
-use ca_session::Keeper;
+use ca_session::Files;
 use std::fs::File;
 use std::os::fd::AsRawFd as _;
 use std::path::{Path, PathBuf};
@@ -211,8 +211,8 @@ impl Keep {
     }
 }
 
-impl Keeper for Keep {
-    fn keeps(&self) -> bool {
+impl Files for Keep {
+    fn can_save(&self) -> bool {
         self.kept.is_some()
     }
 

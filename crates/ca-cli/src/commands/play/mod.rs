@@ -62,10 +62,10 @@ impl Frontend for PlayArgs {
         };
         let sink = PageSink::new(Box::new(page.feed()), drawing.clone(), scene);
         let parts = Parts {
-            audience: Box::new(page.feed()),
+            pages: Box::new(page.feed()),
             language: Box::new(ModelLanguage),
             maker: Box::new(Compiler::new(&self.serve, options)),
-            keeper: Box::new(keep),
+            files: Box::new(keep),
             name: name.into(),
             allow_arm: self.allow_arm,
         };

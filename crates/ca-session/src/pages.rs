@@ -3,7 +3,7 @@
 use crate::protocol::Message;
 
 /// The pages that are open. No method waits for a page.
-pub trait Audience {
+pub trait Pages {
     /// Sends the message `scene` to all pages, and to each page that comes later.
     fn greet(&self, scene: &Message);
 
