@@ -1,7 +1,7 @@
 //! The smallest device: a damped finger of 100 g that the force of the engine moves.
 //!
 //! It sends where it is 1000 times a second, is moved by what `safe_force` lets through, and prints what it saw.
-//! `cargo run -p ca-haptic --features iceoryx --example device -- finger 3000`
+//! `cargo run -p ca-haptic --example device -- finger 3000`
 
 use ca_haptic::frame::{About, DOF, DeviceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};

@@ -3,12 +3,8 @@
 //! Decides that it holds the model as its author wrote it and the changes made to it, as the header of a take does; what was
 //! asked of the compiler stays as at the start, but for the bodies that the model reads from files.
 
-use ca_compile::Options;
-use ca_core::kind::cloud::Unread;
 use ca_core::live::Controls;
-use ca_core::{Catalog, Scene, State};
-use ca_model::diag::Diags;
-use ca_model::{Model, read, write};
+use ca_core::{Scene, State};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,28 +23,37 @@ pub struct ModelText {
     pub parts: BTreeMap<String, String>,
 }
 
-impl ModelText {
-    /// Of `model`, to which `changes` were made.
-    pub fn of(model: &Model, changes: Vec<(String, String)>) -> ModelText {
-        let resolved = write::write(model);
-        // a model that a program built has no text but this one
-        let built = model.text.is_empty();
-        let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
-        ModelText {
-            file: if file.is_empty() { "model.ca.toml" } else { file }.into(),
-            text: if built { resolved.clone() } else { model.text.clone() },
-            changes: if built { Vec::new() } else { changes },
-            resolved,
-            parts: model.files.iter().map(|f| (f.name.clone(), f.text.clone())).collect(),
-        }
-    }
+#[cfg(feature = "system")]
+mod text {
+    use super::ModelText;
+    use ca_core::Catalog;
+    use ca_core::kind::cloud::Unread;
+    use ca_model::diag::Diags;
+    use ca_model::{Model, read, write};
 
-    /// The model, without its changes, with what its reader found.
-    pub fn read(&self, catalog: &Catalog) -> (Model, Diags) {
-        read::read_with(&self.text, &self.file, catalog, &mut |name| {
-            let missing = || Unread { what: format!("`{name}` is not attached to it"), help: String::new() };
-            self.parts.get(name).cloned().ok_or_else(missing)
-        })
+    impl ModelText {
+        /// Of `model`, to which `changes` were made.
+        pub fn of(model: &Model, changes: Vec<(String, String)>) -> ModelText {
+            let resolved = write::write(model);
+            // a model that a program built has only this text
+            let built = model.text.is_empty();
+            let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
+            ModelText {
+                file: if file.is_empty() { "model.ca.toml" } else { file }.into(),
+                text: if built { resolved.clone() } else { model.text.clone() },
+                changes: if built { Vec::new() } else { changes },
+                resolved,
+                parts: model.files.iter().map(|f| (f.name.clone(), f.text.clone())).collect(),
+            }
+        }
+
+        /// The model, without its changes, with what its reader found.
+        pub fn read(&self, catalog: &Catalog) -> (Model, Diags) {
+            read::read_with(&self.text, &self.file, catalog, &mut |name| {
+                let missing = || Unread { what: format!("`{name}` is not attached to it"), help: String::new() };
+                self.parts.get(name).cloned().ok_or_else(missing)
+            })
+        }
     }
 }
 
@@ -59,11 +64,26 @@ pub struct Version {
     /// its model
     pub model: ModelText,
     /// what was asked of the compiler
-    pub options: Options,
+    #[cfg(feature = "system")]
+    pub options: ca_compile::Options,
     /// live parameters that somebody had moved before, and their values \[SI\]
     pub moved: Vec<(String, f64)>,
     /// begins as at load: no mass goes on from where it is
     pub anew: bool,
+}
+
+impl Version {
+    /// A version without a text. A take that holds it cannot be played again.
+    pub fn new(scene: Arc<Scene>, anew: bool) -> Version {
+        Version {
+            scene,
+            model: ModelText::default(),
+            #[cfg(feature = "system")]
+            options: ca_compile::Options::default(),
+            moved: Vec::new(),
+            anew,
+        }
+    }
 }
 
 /// The state in which `scene` begins, and its parameters, where `moved` stay as they are. One that is out of the range of this

@@ -2,7 +2,8 @@
 //! that plays a scene to its end without a clock. Devices and real time are in `ca-haptic`.
 //!
 //! A gesture is a few named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file, and a
-//! probe is any quantity of the model in an NPY or CSV file. All three together:
+//! probe is any quantity of the model in an NPY or CSV file. Without the feature `files`, which is on by default, the crate has
+//! only curves over time and MIDI as it is played. All three together:
 //!
 //! ```
 //! use ca_io::gesture::{Gesture, GestureFormat};
@@ -38,22 +39,36 @@
 //! # }
 //! ```
 
+#[cfg(feature = "files")]
 pub mod atomic_file;
+#[cfg(feature = "files")]
 pub mod cloud;
+#[cfg(feature = "files")]
 pub mod ending;
 pub mod error;
+#[cfg(feature = "files")]
 pub mod files;
+#[cfg(feature = "files")]
 pub mod flac;
 pub mod gesture;
+#[cfg(feature = "files")]
 pub mod length;
 pub mod live_midi;
+#[cfg(feature = "files")]
 pub mod perform;
+#[cfg(feature = "files")]
 pub mod probe;
+#[cfg(feature = "files")]
 pub mod reading;
+#[cfg(feature = "files")]
 pub mod recording;
+#[cfg(feature = "files")]
 pub mod running;
+#[cfg(feature = "files")]
 pub mod slow;
+#[cfg(feature = "files")]
 pub mod sound;
+#[cfg(feature = "files")]
 mod wav_header;
 
 pub use error::{FileError, FileErrorKind};

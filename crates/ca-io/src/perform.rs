@@ -6,12 +6,12 @@
 //! so the same model, gesture and parameters give the same bits everywhere.
 
 use crate::error::{FileError, FileErrorKind};
-use crate::gesture::{Gesture, Track};
+use crate::gesture::{Gesture, Track, own};
 use ca_core::border::frame_due;
 use ca_core::live::{Controls, LiveParam, Patch};
+use ca_core::numeric::Plain;
 use ca_core::scene::{InputRole, Scene};
 use ca_core::{State, process, tick};
-use ca_model::quantity::Plain;
 
 /// Beyond this displacement \[m\] a scene is taken to have diverged. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
@@ -265,14 +265,6 @@ impl<'a> Performance<'a> {
         let m = self.state.furthest();
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
-}
-
-/// The tracks of the gesture that a scene brings along; an error for one that is no curve over time.
-pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
-    scene
-        .gestures
-        .iter()
-        .map(|(name, points)| Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()))
 }
 
 /// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or

@@ -19,7 +19,7 @@
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
 use crate::wav_header;
-use ca_model::quantity::Plain;
+use ca_core::numeric::Plain;
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

@@ -3,7 +3,7 @@
 use crate::load::{has_extension, ticked};
 use crate::{Failure, catalog};
 use ca_core::Scene;
-use ca_io::gesture::{Gesture, PortMap, Track};
+use ca_io::gesture::{Gesture, Track, port_maps};
 use ca_model::select::is_name;
 use std::path::Path;
 
@@ -13,12 +13,6 @@ pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a 
         Some((port, file)) if !folder.join(text).exists() && is_name(port) => (Some(port), Path::new(file)),
         _ => (None, Path::new(text)),
     }
-}
-
-/// The ports of a scene that listen to MIDI.
-pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
-    let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
-    scene.inputs.iter().filter_map(map).collect()
 }
 
 /// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.

@@ -31,6 +31,8 @@ export class Slider {
     this.scale = scaleOf(this.min, this.max, spec.value);
     this.busy = 0;
     this.wanted = null;
+    /** @type {HTMLElement|null} */
+    this.learn = null;
     const id = "s" + serial++;
     this.range = element("input", { type: "range", id, min: 0, max: STEPS, step: 1, "aria-describedby": spec.doc ? id + "d" : null });
     this.field = element("input", { type: "text", class: "value", "aria-label": spec.name + ", value", inputmode: "text", autocomplete: "off", spellcheck: "false" });
@@ -132,6 +134,11 @@ export class Slider {
 
 // the parameters of a scene; values at load stay those of the first scene, while the names are the same
 export class Parameters {
+  /**
+   * @param {HTMLElement} box
+   * @param {HTMLInputElement} filter
+   * @param {import("./socket.js").Connection} connection
+   */
   constructor(box, filter, connection) {
     this.box = box; this.filter = filter; this.connection = connection;
     this.sliders = new Map();
@@ -139,6 +146,7 @@ export class Parameters {
     filter.addEventListener("keydown", e => e.stopPropagation());
   }
 
+  /** @param {Array<import("./protocol.js").Param>} specs */
   build(specs) {
     const first = new Map(this.sliders);
     this.sliders.clear();
@@ -147,8 +155,7 @@ export class Parameters {
     for (const spec of specs) {
       const slider = new Slider(spec, value => this.connection.ask({ type: "set", values: { [spec.name]: value } }));
       const old = first.get(spec.name);
-      if (Number.isFinite(spec.load)) slider.first = spec.load;
-      else if (old && old.spec.unit === spec.unit) slider.first = old.first;
+      if (old && old.spec.unit === spec.unit) slider.first = old.first;
       slider.write(true);
       slider.learn = element("button", { class: "learn", type: "button", title: "Then move a knob of a MIDI device: it turns this parameter from then on", text: "MIDI knob" });
       slider.learn.addEventListener("click", async () => {
@@ -204,14 +211,19 @@ export class Parameters {
 
 // ports that a person may move: positions stay where they are put, forces go back to none when they are let go; a key of a
 // device goes as long as its device says nothing. What is returned shows where positions are, whoever moves them.
+/**
+ * @param {HTMLElement} box
+ * @param {Array<import("./protocol.js").PortInfo>} list
+ * @param {import("./socket.js").Connection} connection
+ */
 export function ports(box, list, connection) {
   box.replaceChildren();
   const seen = [];
   for (const p of list) {
     const force = p.role === "force", rest = Number.isFinite(p.rest) ? p.rest : 0;
     const spec = {
-      name: p.name, value: force ? 0 : rest, unit: p.unit || (force ? "N" : "m"),
-      min: Number.isFinite(p.min) ? p.min : force ? -5 : rest - 0.02, max: Number.isFinite(p.max) ? p.max : force ? 5 : rest + 0.02,
+      name: p.name, value: force ? 0 : rest, unit: force ? "N" : "m",
+      min: force ? -5 : rest - 0.02, max: force ? 5 : rest + 0.02,
       doc: force ? "Force; none when it is let go" : p.role === "device" ? "Key of a device. It moves from here as long as no device is connected" : "Position", ended: null,
     };
     const slider = new Slider(spec, value => connection.ask({ type: "port", name: p.name, value }));

@@ -31,6 +31,7 @@ export class Energy {
     this.fresh = true;
   }
 
+  /** @param {import("./protocol.js").EnergyMessage} message */
   push({ seconds, motion }) {
     const last = this.points[this.points.length - 1];
     if (motion.length !== this.names.length) return;
@@ -49,7 +50,7 @@ export class Energy {
     const { c, w, h } = b, end = this.points.length ? this.points[this.points.length - 1].seconds : SPAN;
     let largest = 0;
     for (const p of this.points) for (const e of p.motion) if (e > largest) largest = e;
-    document.documentElement.dataset.energy = largest;
+    document.documentElement.dataset.energy = String(largest);
     // a scale in whole decades, so that it stays where it is
     const moves = largest > STILL, top = moves ? Math.ceil(Math.log10(largest)) : -3;
     this.readout.textContent = moves ? `top 1e${top} J`.replace("-", "−") : "at rest";

@@ -67,7 +67,7 @@ export class Keyboard {
   }
 
   keyAt(event) {
-    const key = document.elementFromPoint(event.clientX, event.clientY);
+    const key = /** @type {HTMLButtonElement|null} */ (document.elementFromPoint(event.clientX, event.clientY));
     return key && key.parentNode === this.keys && !key.disabled ? key : null;
   }
 

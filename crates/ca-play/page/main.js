@@ -17,8 +17,9 @@ import { View } from "./view.js";
 import { Keyboard } from "./keyboard.js";
 import { Presets } from "./presets.js";
 
+/** @type {(id: string) => any} */
 const find = id => document.getElementById(id);
-const root = document.documentElement.dataset;
+const root = /** @type {any} */ (document.documentElement.dataset);
 root.errors = root.violations = root.frames = 0;
 addEventListener("error", () => root.errors++);
 addEventListener("unhandledrejection", () => root.errors++);
@@ -26,7 +27,11 @@ addEventListener("securitypolicyviolation", () => root.violations++);
 
 const canvas = find("canvas");
 const camera = new Camera(), picture = new Picture(canvas);
-let scene = null, motion = null, pair = null, state = null, follow = () => {}, touched = false, instead = false;
+/** @type {import("./protocol.js").StateMessage|null} */
+let state = null;
+/** @type {any} */
+let scene = null, motion = null, pair = null;
+let follow = (scene, pair) => {}, touched = false, instead = false;
 
 const address = new URL("ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
@@ -92,6 +97,7 @@ const pointer = new Pointer({
   turned: () => find("hint").classList.add("gone"),
 });
 
+/** @param {import("./protocol.js").SceneMessage} message */
 function load(message) {
   const old = scene, before = motion;
   scene = new Scene(message);
@@ -201,7 +207,7 @@ for (const id of ["changeName", "changeValue"]) find(id).addEventListener("keydo
 find("play").addEventListener("click", stopOrPlay);
 find("sound").addEventListener("click", () => sound.toggle());
 find("mute").addEventListener("click", () => sound.mute());
-find("volume").addEventListener("input", e => sound.setVolume(+e.target.value));
+find("volume").addEventListener("input", e => sound.setVolume(+find("volume").value));
 const reset = () => { if (scene) camera.fit(scene, pair); };
 find("reset").addEventListener("click", reset);
 find("nearer").addEventListener("click", () => camera.zoom(0.8));
@@ -209,7 +215,7 @@ find("farther").addEventListener("click", () => camera.zoom(1.25));
 
 addEventListener("keydown", event => {
   if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
-  const on = event.target, typing = on.matches("input[type=text], input[type=search], textarea, select");
+  const on = /** @type {Element} */ (event.target), typing = on.matches("input[type=text], input[type=search], textarea, select");
   if (typing) return;
   if (event.key === " " && !on.matches("button, summary, input[type=checkbox], input[type=radio]")) stopOrPlay();
   else if (event.key === "s") sound.toggle();

@@ -5,8 +5,28 @@
 const WAITS = [300, 600, 1200, 2500, 5000];
 const ENDED = new Set([1000, 1001]);
 
+/**
+ * @typedef {object} Handlers
+ * @property {(message: import("./protocol.js").SceneMessage) => void} scene
+ * @property {(message: import("./protocol.js").StateMessage) => void} state
+ * @property {(message: import("./protocol.js").EnergyMessage) => void} energy
+ * @property {(message: import("./protocol.js").SaidMessage) => void} said
+ * @property {(message: import("./protocol.js").ReportMessage) => void} report
+ * @property {(generation: number, tick: number, floats: Float32Array) => void} view
+ * @property {(channels: number, tick: number, floats: Float32Array) => void} sound
+ * @property {(name: string, detail: object) => void} status
+ */
+
+/**
+ * An answer, or a refusal without one.
+ * @typedef {Partial<import("./protocol.js").ReplyMessage> & {ok: boolean, lost?: boolean}} Answer
+ */
+
 export class Connection {
-  // handlers: scene, state, said, report, view(generation, tick, floats), sound(channels, tick, floats, bytes), status(name, detail)
+  /**
+   * @param {URL} address
+   * @param {Handlers} handlers
+   */
   constructor(address, handlers) {
     this.address = address;
     this.on = handlers;
@@ -59,6 +79,7 @@ export class Connection {
 
   receive(data) {
     if (typeof data !== "string") return this.binary(data);
+    /** @type {import("./protocol.js").Message} */
     let message;
     try {
       message = JSON.parse(data);
@@ -101,12 +122,17 @@ export class Connection {
     this.waiting.clear();
   }
 
+  /** @param {import("./protocol.js").Request & {id?: number}} message */
   send(message) {
     if (!this.open || this.socket.readyState !== 1) return false;
     this.socket.send(JSON.stringify(message));
     return true;
   }
 
+  /**
+   * @param {import("./protocol.js").Request} message
+   * @returns {Promise<Answer>}
+   */
   ask(message) {
     const id = this.next++;
     if (!this.send({ ...message, id })) return Promise.resolve({ ok: false, lost: true, text: "not connected" });

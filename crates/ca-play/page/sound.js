@@ -4,6 +4,9 @@
 
 export class Sound {
   // world: send(message), changed(state)
+  /**
+   * @param {{changed: (sound: Sound) => void} & Pick<import("./socket.js").Connection, "send">} world
+   */
   constructor(world) {
     this.world = world;
     this.state = "off";       // off, starting, on, failed

@@ -7,6 +7,10 @@ const LOAD = "Share of real time that computing takes";
 const count = (n, one, many = one + "s") => `${n} ${n === 1 ? one : many}`;
 
 export class Status {
+  /**
+   * @param {(id: string) => any} find
+   * @param {import("./socket.js").Connection} connection
+   */
   constructor(find, connection) {
     this.find = find;
     this.before = {};
@@ -30,6 +34,7 @@ export class Status {
   }
 
   // a version of the model that was made, or why there is none
+  /** @param {import("./protocol.js").ReportMessage} message */
   report({ ok, text }) {
     this.find("report").hidden = ok;
     this.find("reportText").textContent = ok ? "" : text;
@@ -39,6 +44,10 @@ export class Status {
 
   arm(connection, on) { return this.ask(connection, { type: "arm", on }); }
 
+  /**
+   * @param {import("./socket.js").Connection} connection
+   * @param {import("./protocol.js").Request} request
+   */
   async ask(connection, request) {
     const reply = await connection.ask(request);
     if (reply.ok === false) this.say(reply.text || "refused", true);
@@ -64,6 +73,7 @@ export class Status {
     }
   }
 
+  /** @param {import("./protocol.js").SceneMessage} message */
   scene(message) {
     this.find("title").textContent = message.title || message.model || "Untitled";
     this.find("model").textContent = message.model || "";
@@ -72,6 +82,10 @@ export class Status {
     this.stability = message.stability;
   }
 
+  /**
+   * @param {import("./protocol.js").StateMessage} s
+   * @param {import("./sound.js").Sound} sound
+   */
   state(s, sound) {
     const load = Number.isFinite(s.load) ? s.load : 0, meter = this.find("load");
     meter.value = Math.min(1, load);

@@ -2,6 +2,7 @@
 // A bare number that is typed has the unit that was shown, since that is what the person looked at; a text with a unit is
 // left to the server, which knows all units of the language.
 
+/** @type {Array<[number, string]>} */
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 const SIMPLE = /^(m|s|Hz|N|W|J|Pa|g|N\/m|N s\/m|m\/s)$/;
 const SHORT = new Set(["m", "s", "g"]);

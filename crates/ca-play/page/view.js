@@ -114,6 +114,12 @@ export class View {
     box.replaceChildren(...[...used].map(k => item(scene.kinds[k] || "?", k)), ...links.map(([l, k]) => item(l.kind, k + scene.kinds.length)));
   }
 
+  /**
+   * @param {number} mass
+   * @param {number} x
+   * @param {number} y
+   * @param {import("./socket.js").Connection} connection
+   */
   hover(mass, x, y, connection) {
     const { picture } = this.world;
     picture.hover = mass;

@@ -1,18 +1,16 @@
 //! The page of `ca play`: a moving instrument in a browser, and the server on this machine that feeds it.
 //!
-//! This crate knows bytes and requests, no scene and no engine: who has those gives [`Page`] a greeting, pictures, sound
-//! and news, and answers what people ask in it. Not a web server for anything else: it speaks to this machine alone, has
+//! This crate carries the messages of [`ca_session::protocol`] and knows neither scene nor engine: the program gives [`Page`] a
+//! greeting, pictures, sound and news, and answers requests. Not a web server for anything else: it speaks to this machine alone, has
 //! no file but those of the page, and whoever does not know the token of this run gets nothing (`http.rs`).
 //!
 //! The page itself is `page/`: plain HTML, CSS and modules of JavaScript, without anybody else's code and without a build.
-//! What goes over the line is in [`message`].
 #![forbid(unsafe_code)]
 
 mod asset;
 mod client;
 mod film;
 mod http;
-pub mod message;
 mod page;
 mod pending;
 

@@ -8,7 +8,9 @@ use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
 use crate::pending::Pending;
-use serde_json::{Value, json};
+use ca_session::Pages;
+use ca_session::protocol::{Asked, Message, Request};
+use serde_json::Value;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -30,8 +32,8 @@ const LEAVE: Duration = Duration::from_millis(200);
 pub struct PageRequest {
     /// the client
     pub client: u64,
-    /// what it asks, an object; `None`: it is gone
-    pub request: Option<Value>,
+    /// what it asks; `None`: it is gone
+    pub request: Option<Asked>,
 }
 
 /// What all threads look at.
@@ -64,7 +66,7 @@ impl Page {
     ///
     /// # Errors
     /// Where the port is taken, or the system has no random numbers or no thread.
-    pub fn open(port: u16, greeting: &Value, framed: bool) -> std::io::Result<Page> {
+    pub fn open(port: u16, greeting: &Message, framed: bool) -> std::io::Result<Page> {
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(std::io::Error::other)?;
         let token = random.iter().fold(String::new(), |s, b| s + &format!("{b:02x}"));
@@ -96,35 +98,9 @@ impl Page {
         self.asked.try_iter()
     }
 
-    /// Pages that are open.
-    pub fn clients(&self) -> usize {
-        locked(&self.hub.clients).len()
-    }
-
-    /// What feeds all pages, for another thread.
+    /// The pages that are open.
     pub fn feed(&self) -> Feed {
         Feed(self.hub.clone())
-    }
-
-    /// Who comes from now on is sent this first; who is here, now.
-    pub fn greet(&self, greeting: &Value) {
-        let text = text(greeting);
-        (*locked(&self.hub.greeting)).clone_from(&text);
-        self.hub.all(|c| c.tell(text.clone()));
-    }
-
-    /// Tells one client.
-    pub fn tell(&self, client: u64, message: &Value) {
-        self.hub.all(|c| {
-            if c.number == client {
-                c.tell(text(message));
-            }
-        });
-    }
-
-    /// Tells all clients.
-    pub fn tell_all(&self, message: &Value) {
-        self.feed().tell_all(message);
     }
 }
 
@@ -145,37 +121,46 @@ impl Drop for Page {
     }
 }
 
-/// Feeds all pages, from any thread; never waits for one.
+/// The pages that are open, for any thread.
 #[derive(Clone)]
 pub struct Feed(Arc<Hub>);
 
-impl Feed {
-    /// True where a page is open: nothing needs to be drawn for nobody.
-    pub fn is_seen(&self) -> bool {
-        !locked(&self.0.clients).is_empty()
+impl Pages for Feed {
+    fn greet(&self, scene: &Message) {
+        let text = text(scene);
+        (*locked(&self.0.greeting)).clone_from(&text);
+        self.0.all(|c| c.tell(text.clone()));
     }
 
-    /// True where a page wants sound.
-    pub fn is_heard(&self) -> bool {
+    fn tell(&self, page: u64, message: &Message) {
+        self.0.all(|c| {
+            if c.number == page {
+                c.tell(text(message));
+            }
+        });
+    }
+
+    fn tell_all(&self, message: &Message) {
+        let text = text(message);
+        self.0.all(|c| c.tell(text.clone()));
+    }
+
+    fn count(&self) -> usize {
+        locked(&self.0.clients).len()
+    }
+
+    fn is_heard(&self) -> bool {
         locked(&self.0.clients).iter().any(|c| c.hears.load(Relaxed))
     }
 
-    /// Sends a picture ([`message::view`](crate::message::view)); one that was not fetched yet is left out.
-    pub fn view(&self, picture: &[u8]) {
+    fn view(&self, picture: &[u8]) {
         let bytes = Bytes::copy_from_slice(picture);
         self.0.all(|c| c.view(bytes.clone()));
     }
 
-    /// Sends sound ([`message::sound`](crate::message::sound)) to those who asked for it.
-    pub fn sound(&self, block: &[u8]) {
+    fn sound(&self, block: &[u8]) {
         let bytes = Bytes::copy_from_slice(block);
         self.0.all(|c| c.sound(bytes.clone()));
-    }
-
-    /// Tells all clients.
-    pub fn tell_all(&self, message: &Value) {
-        let text = text(message);
-        self.0.all(|c| c.tell(text.clone()));
     }
 }
 
@@ -237,25 +222,23 @@ impl Hub {
 
     /// Hands over what came, or says why not.
     fn ask(&self, client: &Client, message: &str) {
-        let refuse = |id: Option<&Value>, why: &str| {
-            client.tell(text(&json!({"type": "reply", "id": id, "ok": false, "text": why})));
+        let reply = |id: Option<Value>, ok, why: &str| {
+            let id = id.unwrap_or_default();
+            client.tell(text(&Message::Reply { id, ok, text: why.into(), picked: None }));
         };
-        let request = match serde_json::from_str::<Value>(message) {
-            Ok(request) if request.is_object() => request,
-            Ok(_) => return refuse(None, "a request is an object"),
-            Err(e) => return refuse(None, &format!("no JSON: {e}")),
+        let object = match serde_json::from_str::<Value>(message) {
+            Ok(object) if object.is_object() => object,
+            Ok(_) => return reply(None, false, "a request is an object"),
+            Err(e) => return reply(None, false, &format!("no JSON: {e}")),
         };
-        let id = request.get("id").cloned();
-        if request["type"] == "sound" {
-            let on = request["on"] == true;
+        let asked = Asked::read(object);
+        let id = asked.id.clone();
+        if let Ok(Request::Sound { on }) = asked.request {
             client.hears.store(on, Relaxed);
-            client.tell(text(
-                &json!({"type": "reply", "id": id, "ok": true, "text": if on { "sound" } else { "silent" }}),
-            ));
-            return;
+            return reply(id, true, if on { "sound" } else { "silent" });
         }
-        if self.asked.try_send(PageRequest { client: client.number, request: Some(request) }).is_err() {
-            refuse(id.as_ref(), "more is asked than can be answered; try again");
+        if self.asked.try_send(PageRequest { client: client.number, request: Some(asked) }).is_err() {
+            reply(id, false, "more is asked than can be answered; try again");
         }
     }
 }
@@ -299,6 +282,6 @@ fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
     }
 }
 
-fn text(message: &Value) -> Utf8Bytes {
-    message.to_string().into()
+fn text(message: &Message) -> Utf8Bytes {
+    message.text().into()
 }

@@ -3,7 +3,9 @@
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
 
-use ca_play::{Page, message};
+use ca_play::Page;
+use ca_session::Pages as _;
+use ca_session::protocol::{self, Asked, Request, binary};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::io::{Read as _, Write as _};
@@ -13,7 +15,12 @@ use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
 fn page() -> Page {
-    Page::open(0, &json!({"type": "scene", "generation": 1}), false).unwrap()
+    Page::open(0, &said_by("first"), false).unwrap()
+}
+
+/// A message with this text.
+fn said_by(text: &str) -> protocol::Message {
+    protocol::Message::Said { bad: false, text: text.into() }
 }
 
 /// Host and path of a page.
@@ -87,33 +94,35 @@ fn the_page_is_served_to_who_knows_the_token() {
 fn a_page_is_greeted_asks_and_is_answered() {
     let page = page();
     let mut s = socket(&page);
-    assert_eq!(text(&mut s), json!({"type": "scene", "generation": 1}));
+    assert_eq!(text(&mut s), json!({"type": "said", "bad": false, "text": "first"}));
     s.send(Message::text(r#"{"id": 7, "type": "grab", "mass": 3}"#)).unwrap();
     let mut asked = Vec::new();
     until("the request comes", || {
         asked.extend(page.asked());
         !asked.is_empty()
     });
-    assert_eq!(asked[0].request, Some(json!({"id": 7, "type": "grab", "mass": 3})));
-    page.tell(asked[0].client, &json!({"type": "reply", "id": 7, "ok": true}));
+    let grab = Asked { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
+    assert_eq!(asked[0].request, Some(grab));
+    let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
+    page.feed().tell(asked[0].client, &reply);
     assert_eq!(text(&mut s)["id"], 7);
     for wrong in ["", "7", "[]", "{", "null", "\"x\""] {
         s.send(Message::text(wrong)).unwrap();
         let reply = text(&mut s);
         assert_eq!((&reply["type"], &reply["ok"]), (&json!("reply"), &json!(false)), "{wrong:?}: {reply}");
     }
-    page.greet(&json!({"type": "scene", "generation": 2}));
-    assert_eq!(text(&mut s)["generation"], 2);
-    assert_eq!(text(&mut socket(&page))["generation"], 2);
+    page.feed().greet(&said_by("second"));
+    assert_eq!(text(&mut s)["text"], "second");
+    assert_eq!(text(&mut socket(&page))["text"], "second");
     // one that vanishes is reported, so that what it holds is let go
-    let before = page.clients();
+    let before = page.feed().count();
     drop(s);
     let mut gone = Vec::new();
     until("it is gone", || {
         gone.extend(page.asked().filter(|a| a.request.is_none()));
         gone.iter().any(|g| g.client == asked[0].client)
     });
-    assert!(page.clients() < before);
+    assert!(page.feed().count() < before);
 }
 
 #[test]
@@ -128,9 +137,9 @@ fn sound_goes_to_who_asked_and_of_pictures_the_newest() {
     assert_eq!(text(&mut hears)["ok"], true);
     assert!(feed.is_heard());
     let mut block = Vec::new();
-    message::sound(&mut block, 1, 480.0, &[0.5, -0.25]);
+    binary::sound(&mut block, 1, 480.0, &[0.5, -0.25]);
     feed.sound(&block);
-    message::view(&mut block, 9, 480.0);
+    binary::view(&mut block, 9, 480.0);
     block.extend_from_slice(&1.5_f32.to_le_bytes());
     feed.view(&block);
     let Message::Binary(sound) = hears.read().unwrap() else { panic!("no sound") };
@@ -153,20 +162,20 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let picture = vec![0_u8; 1 << 20];
     for n in 0..200 {
         feed.view(&picture);
-        page.tell_all(&json!({"n": n}));
+        page.feed().tell_all(&said_by(&n.to_string()));
     }
     for n in 0..200 {
-        assert_eq!(text(&mut quick)["n"], n);
+        assert_eq!(text(&mut quick)["text"], n.to_string());
     }
     // it asks nothing, but what it is sent has an end: the queue of its news
-    let news = json!({"long": "x".repeat(1000)});
+    let news = said_by(&"x".repeat(1000));
     let begin = Instant::now();
-    while page.clients() == 2 && begin.elapsed() < Duration::from_secs(60) {
+    while page.feed().count() == 2 && begin.elapsed() < Duration::from_secs(60) {
         // the quick one keeps up, however busy the machine is
-        (0..16).for_each(|_| page.tell_all(&news));
+        (0..16).for_each(|_| page.feed().tell_all(&news));
         (0..16).for_each(|_| drop(text(&mut quick)));
     }
-    assert_eq!(page.clients(), 1, "the slow one is closed");
+    assert_eq!(page.feed().count(), 1, "the slow one is closed");
 }
 
 #[test]
@@ -183,7 +192,7 @@ fn who_floods_is_closed() {
             let _ = page.asked().count();
         }
         assert!(sent < 20_000, "closed after {sent}");
-        until("no client is left", || page.clients() == 0);
+        until("no client is left", || page.feed().count() == 0);
     }
 }
 
@@ -199,7 +208,7 @@ fn who_sends_frames_without_end_is_closed() {
     let pieces = [0x00, 0x80, 0, 0, 0, 0].repeat(1000);
     let sent = (0..5000).take_while(|_| s.write_all(&pieces).is_ok()).count();
     assert!(begun && sent < 5000, "closed after {sent}");
-    until("no client is left", || page.clients() == 0);
+    until("no client is left", || page.feed().count() == 0);
 }
 
 /// A client that is there and reads nothing holds nothing for long.
@@ -217,12 +226,12 @@ fn who_answers_no_ping_lets_go() {
     while !released.contains(&0) && Instant::now() < end {
         // pings are answered by reading
         let _ = alive.read();
-        let all = page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r["type"] == "release"));
+        let all = page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
         released.extend(all.map(|a| a.client));
     }
     assert!(released.contains(&0), "the first client holds what it held: {released:?}");
     let other = socket(&page);
-    assert!(page.clients() >= 2, "it is still there");
+    assert!(page.feed().count() >= 2, "it is still there");
     drop(other);
 }
 

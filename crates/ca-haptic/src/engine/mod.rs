@@ -13,7 +13,7 @@ mod port;
 mod refit;
 mod sound;
 mod swap;
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 pub(crate) mod tests;
 mod touch;
 

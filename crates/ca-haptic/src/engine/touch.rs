@@ -10,8 +10,7 @@
 use ca_core::pointer::Pointer;
 use ca_core::scene::InputRole;
 use ca_core::{Scene, State};
-use ca_io::gesture::Track;
-use ca_io::perform::own;
+use ca_io::gesture::{Track, own};
 
 /// Time a port takes to where a slider sends it \[s\]: that of a page speaks 60 times a second.
 pub const GLIDE: f64 = 1.0 / 60.0;

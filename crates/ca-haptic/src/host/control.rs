@@ -8,10 +8,8 @@
 
 use super::error::{HostError, HostErrorKind};
 use super::site::Site;
+pub use crate::control::{Given, Reply, Request};
 use crate::frame::VERSION;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
-use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, Permissions, TryLockError};
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::unix::fs::{DirBuilderExt, FileExt, OpenOptionsExt, PermissionsExt};
@@ -26,70 +24,6 @@ const CALLERS: usize = 8;
 const LONGEST: usize = 16 << 20;
 /// Longest time in which a caller asks, and in which it takes its answer.
 const CALL: Duration = Duration::from_secs(2);
-
-/// A value as it was typed: a number in SI units, or a text with its unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum Given {
-    /// in the model's units
-    Number(f64),
-    /// `8 kN/m`
-    Text(String),
-}
-
-/// What is asked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
-pub enum Request {
-    /// new values of live parameters, all in one tick
-    Set {
-        /// by name
-        values: BTreeMap<String, Given>,
-    },
-    /// forces on, once nothing pushes
-    Arm {
-        /// one device; all if absent
-        device: Option<String>,
-    },
-    /// forces off
-    Disarm {
-        /// one device; all if absent
-        device: Option<String>,
-    },
-    /// what plays the sound, and what may
-    Audio {
-        /// another one; none to ask
-        to: Option<String>,
-    },
-    /// how it goes
-    Status,
-    /// the end
-    Stop,
-}
-
-/// What is answered.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Reply {
-    /// whether it was done
-    pub ok: bool,
-    /// for people: what was done, or why not
-    #[serde(default)]
-    pub text: String,
-    /// for programs
-    #[serde(default)]
-    pub fields: Map<String, Value>,
-}
-
-impl Reply {
-    /// It was done.
-    pub fn done(text: impl Into<String>) -> Reply {
-        Reply { ok: true, text: text.into(), fields: Map::new() }
-    }
-    /// It was not.
-    pub fn refused(text: impl Into<String>) -> Reply {
-        Reply { ok: false, text: text.into(), fields: Map::new() }
-    }
-}
 
 /// The folder of the socket and of the lock.
 fn folder(site: &Site) -> PathBuf {

@@ -11,14 +11,13 @@
 //! The thread asks for a larger share of the cores rather than for real time: a writer that has much to catch up with
 //! would keep a core from everything else, and bring the kernel's guard upon the engine.
 
-use super::sink::{Notice, Sink, SinkStreams};
+use super::sink::{Notice, Sink, SinkStreams, missing};
 use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::rt::{self, Granted, RtRequest};
 use crate::version::Version;
 use ca_core::Scene;
 use ca_io::error::FileError;
-use std::fmt::Write as _;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -376,15 +375,6 @@ impl Sink for SinkHandle {
         let full = self.shared.bytes.load(Relaxed) >= 2 * self.room.bytes && !self.shared.over.load(Relaxed);
         if full { Ok(()) } else { self.put(Message::Said(notice.clone())) }
     }
-}
-
-/// Records, sound samples and pictures that are missing, in words.
-pub(super) fn missing(lost: [u64; 3]) -> String {
-    let mut text = String::new();
-    for (n, what) in lost.iter().zip(["records", "sound samples", "pictures"]).filter(|l| *l.0 > 0) {
-        let _ = write!(text, "{}{n} {what}", if text.is_empty() { "" } else { ", " });
-    }
-    text
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! same every time. While no device is there, time passes as on the clock of the machine, so that a performance of a
 //! given length ends.
 
+#[cfg(feature = "system")]
 use crate::rt::{Waits, now_ns};
 
 /// The clock of the gesture frames.
@@ -33,6 +34,7 @@ pub struct Start {
     pub missed: u64,
 }
 
+#[cfg(feature = "system")]
 /// Deadlines of the monotonic clock: `start + n·period`, never summed, so that a period of 333 333.3 ns does not drift.
 pub(super) struct Pace {
     start: u64,
@@ -41,6 +43,7 @@ pub(super) struct Pace {
     waits: Waits,
 }
 
+#[cfg(feature = "system")]
 impl Pace {
     pub(super) fn new(period: f64) -> Pace {
         Pace { start: now_ns(), period: period * 1e9, n: 0, waits: Waits::default() }
@@ -58,6 +61,7 @@ impl Pace {
     }
 }
 
+#[cfg(feature = "system")]
 /// Waits until `ready`, at most `patience` \[ns\], for a loop of this `period` \[ns\]. Sleeps in pieces, since the other
 /// side is another thread; a wait in vain took as many periods as it lasted.
 pub(super) fn wait_for(waits: &mut Waits, patience: u64, period: f64, mut ready: impl FnMut() -> bool) -> Start {
@@ -76,13 +80,14 @@ pub(super) fn wait_for(waits: &mut Waits, patience: u64, period: f64, mut ready:
     Start::default()
 }
 
+#[cfg(feature = "system")]
 /// How long to sleep before the next look at a ring, after a wait of `waited` of `patience` \[ns\]: an eighth of the
 /// wait, so that an answer is seen late by as much at most, and a device that never comes costs a look a millisecond.
 fn piece(waited: u64, patience: u64) -> u64 {
     (waited / 8).clamp(20_000, 1_000_000).min(patience - waited)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 mod tests {
     use super::*;
 

@@ -3,15 +3,20 @@
 //! Decides that this loop calls the kernel for nothing but its wait. What does not fit a ring is counted; what must be
 //! freed travels to the recorder, and waits here until there is room.
 
+#[cfg(feature = "system")]
 use super::audio::Outlet;
-use super::clock::{Clock, Pace, Start, wait_for};
+use super::clock::{Clock, Start};
+#[cfg(feature = "system")]
+use super::clock::{Pace, wait_for};
 use crate::blocks::put;
 use crate::engine::{Engine, EngineCommand, Retired};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
 use crate::record::Record;
-use crate::rt::{Waits, now_ns};
+#[cfg(feature = "system")]
+use crate::rt::Waits;
+use crate::time::now_ns;
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
@@ -33,6 +38,7 @@ pub struct Rings {
     /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
     pub views: Option<Producer<f64>>,
     /// plays the sound at once, besides files
+    #[cfg(feature = "system")]
     pub audio: Option<Outlet>,
 }
 
@@ -125,6 +131,7 @@ impl Live {
 
     /// Runs until [`Shared::stop`], or `frames` gesture frames; on the clock of a device the time in which none came
     /// counts as well. Gives the engine back.
+    #[cfg(feature = "system")]
     pub fn run(mut self, frames: Option<u64>) -> Engine {
         let scene = &self.engine.scene;
         let period = f64::from(scene.ratio) * scene.sample_dt;
@@ -157,9 +164,7 @@ impl Live {
             self.lapsed(start.late.max(blind), self.engine.due());
             self.frame();
             self.shared.missed.fetch_add(start.missed, Relaxed);
-            if self.rings.timings.push(FrameTiming { start, took: now_ns() - begin }).is_err() {
-                self.shared.lost_timings.fetch_add(1, Relaxed);
-            }
+            self.timed(FrameTiming { start, took: now_ns() - begin });
             looked = now_ns();
             let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
             left = left.map(|n| n.saturating_sub(alone.max(1)));
@@ -195,6 +200,20 @@ impl Live {
         }
     }
 
+    /// One gesture frame that begins in time, for a caller that has its own clock.
+    pub fn step(&mut self) {
+        let begin = now_ns();
+        self.frame();
+        self.timed(FrameTiming { start: Start::default(), took: now_ns() - begin });
+    }
+
+    /// Sends the timing of a frame to the recorder; counts it as lost if the ring is full.
+    fn timed(&mut self, timing: FrameTiming) {
+        if self.rings.timings.push(timing).is_err() {
+            self.shared.lost_timings.fetch_add(1, Relaxed);
+        }
+    }
+
     /// One gesture frame.
     pub fn frame(&mut self) {
         let begin = now_ns();
@@ -224,6 +243,7 @@ impl Live {
         if !put(&mut rings.sound, due, sound, &[]) {
             shared.lost_sound.fetch_add(sound.len() as u64, Relaxed);
         }
+        #[cfg(feature = "system")]
         if let Some(audio) = rings.audio.as_mut().and_then(Outlet::now) {
             audio.put(sound);
         }

@@ -10,6 +10,7 @@
 //! caller's: [`rings`] makes both sides. The recorder is no thread of its own but a turn to be taken every few milliseconds
 //! by the caller, so that a program embeds it in the loop it has.
 
+#[cfg(feature = "system")]
 mod async_sink;
 pub mod audio;
 mod clock;
@@ -21,6 +22,7 @@ mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
 
+#[cfg(feature = "system")]
 pub use async_sink::{AsyncSink, BufferLimits, SinkHandle};
 pub use clock::{Clock, Start};
 pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
@@ -68,7 +70,7 @@ fn picture(scene: &Scene) -> usize {
 }
 
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
-/// [`audio::link`], by way of [`audio::outlet`].
+/// `audio::link`, by way of `audio::outlet`.
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
     let rate = scene.rate / f64::from(scene.ratio);
     let frames = (AWAY * rate) as usize;
@@ -95,6 +97,7 @@ pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnd
             sound: sound_in,
             timings: beats_in,
             views: views_in,
+            #[cfg(feature = "system")]
             audio: None,
         },
         GatewayEnds { frames: frames_in, forces: forces_out },

@@ -4,9 +4,8 @@ mod hand;
 mod seen;
 mod swap;
 
-use super::async_sink::missing;
 use super::audio::{AudioSummary, Outputs, Watch};
-use super::sink::{Notice, Sink};
+use super::sink::{Notice, Sink, missing};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
 use crate::blocks::take;
@@ -402,5 +401,5 @@ impl Recorder {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 mod tests;

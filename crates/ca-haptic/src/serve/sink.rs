@@ -4,6 +4,7 @@ use super::summary::StatsSnapshot;
 use crate::record::Record;
 use crate::version::Version;
 use ca_io::FileError;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 /// Where records end: a sound file, a take, a terminal.
@@ -110,4 +111,13 @@ pub struct Notice {
     pub bad: bool,
     /// in words
     pub text: String,
+}
+
+/// Records, sound samples and pictures that are missing, in words.
+pub(super) fn missing(lost: [u64; 3]) -> String {
+    let mut text = String::new();
+    for (n, what) in lost.iter().zip(["records", "sound samples", "pictures"]).filter(|l| *l.0 > 0) {
+        let _ = write!(text, "{}{n} {what}", if text.is_empty() { "" } else { ", " });
+    }
+    text
 }

@@ -15,7 +15,7 @@ use super::smf::{self, Event};
 use super::{Gesture, PortMap, Track};
 use crate::error::FileError;
 use ca_core::io::midi::{MidiMap, MidiSource};
-use ca_model::quantity::Plain;
+use ca_core::numeric::Plain;
 use midly::MidiMessage;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 

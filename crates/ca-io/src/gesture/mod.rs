@@ -13,21 +13,31 @@
 //! | `.wav` | `ch0`, `ch1`, … | its own rate |
 //! | `.mid`, `.midi`, `.smf`, `.kar`, `.rmi` | as the ports it moves | its own tempo map |
 
-use crate::error::{FileError, FileErrorKind, shown};
-use crate::reading;
+use crate::error::{FileError, shown};
+#[cfg(feature = "files")]
+use crate::{error::FileErrorKind, reading};
+use ca_core::Scene;
 use ca_core::io::midi::MidiMap;
+use ca_core::scene::Input;
 use std::path::Path;
 
+#[cfg(feature = "files")]
 pub(crate) mod csv;
+#[cfg(feature = "files")]
 mod midi;
 mod midi_port;
+#[cfg(feature = "files")]
 mod npy;
+#[cfg(feature = "files")]
 mod riff;
+#[cfg(feature = "files")]
 mod smf;
 mod track;
+#[cfg(feature = "files")]
 pub(crate) mod wav;
 
 pub use midi_port::{Glide, MidiPort, Motion};
+#[cfg(feature = "files")]
 pub(crate) use track::check_rate;
 pub use track::{Cursor, Curve, LONGEST, Track};
 
@@ -38,6 +48,12 @@ pub struct PortMap {
     pub port: String,
     /// notes, controller, bend or pressure, and what they mean in the unit of the port
     pub map: MidiMap,
+}
+
+/// The ports of a scene that listen to MIDI.
+pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
+    let map = |i: &Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+    scene.inputs.iter().filter_map(map).collect()
 }
 
 /// A file format a gesture can come from.
@@ -120,6 +136,34 @@ impl Gesture {
         Gesture { midi, ..self }
     }
 
+    /// All tracks, in the order of the file.
+    pub fn tracks(&self) -> &[Track] {
+        &self.tracks
+    }
+
+    /// Remarks on the file, in words: events that move nothing, and ways in which it breaks the standard of its format.
+    pub fn remarks(&self) -> &[String] {
+        &self.remarks
+    }
+
+    /// True if a MIDI file is part of it, which is played to its end.
+    pub fn is_midi(&self) -> bool {
+        self.midi
+    }
+
+    /// The track of that name.
+    pub fn track(&self, name: &str) -> Option<&Track> {
+        self.tracks.iter().find(|t| t.name() == name)
+    }
+
+    /// Time of the last value of any track \[s\].
+    pub fn duration(&self) -> f64 {
+        self.tracks.iter().map(Track::duration).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(feature = "files")]
+impl Gesture {
     /// Reads the file at `path` in the format its extension stands for.
     ///
     /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays without a `time` of
@@ -159,34 +203,17 @@ impl Gesture {
             GestureFormat::Midi => midi::read(bytes, ports),
         }
     }
-
-    /// All tracks, in the order of the file.
-    pub fn tracks(&self) -> &[Track] {
-        &self.tracks
-    }
-
-    /// Remarks on the file, in words: events that move nothing, and ways in which it breaks the standard of its format.
-    pub fn remarks(&self) -> &[String] {
-        &self.remarks
-    }
-
-    /// True if a MIDI file is part of it, which is played to its end.
-    pub fn is_midi(&self) -> bool {
-        self.midi
-    }
-
-    /// The track of that name.
-    pub fn track(&self, name: &str) -> Option<&Track> {
-        self.tracks.iter().find(|t| t.name() == name)
-    }
-
-    /// Time of the last value of any track \[s\].
-    pub fn duration(&self) -> f64 {
-        self.tracks.iter().map(Track::duration).fold(0.0, f64::max)
-    }
 }
 
-#[cfg(test)]
+/// The tracks of the gesture that a scene brings along; an error for one that is not a curve over time.
+pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
+    scene
+        .gestures
+        .iter()
+        .map(|(name, points)| Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()))
+}
+
+#[cfg(all(test, feature = "files"))]
 mod tests {
     use super::*;
 

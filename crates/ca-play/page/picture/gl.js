@@ -64,6 +64,10 @@ export class Picture {
     gl.depthFunc(gl.LEQUAL);
   }
 
+  /**
+   * @param {string[]} shaders
+   * @param {string[]} attributes
+   */
   program([vertex, fragment], attributes = []) {
     const gl = this.gl, program = gl.createProgram();
     for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {

@@ -3,6 +3,7 @@
 // picture; masses in space are drawn where they are. The vertex shaders of gl.js compute the same, from the same numbers.
 
 export class Scene {
+  /** @param {Pick<import("../protocol.js").SceneMessage, "drawing"|"generation"|"ports">} message */
   constructor(message) {
     const d = message.drawing, n = d.masses | 0;
     this.message = message;

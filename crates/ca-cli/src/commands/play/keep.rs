@@ -15,6 +15,7 @@ use ca_haptic::take::{Header, Recovered, TakeWriter, recover};
 use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_io::sound::{Format, WavOut, Written};
+use ca_session::Files;
 use std::fs::File;
 use std::os::fd::AsRawFd as _;
 use std::path::{Path, PathBuf};
@@ -185,18 +186,41 @@ impl Keep {
         Keep { stem, kept, tape: None, line, ends: Vec::new(), saves: None }
     }
 
-    /// Whether what was done can be saved as a take.
-    pub(super) fn keeps(&self) -> bool {
+    /// Ends what is recorded, if it is.
+    fn stop(&mut self) -> Option<String> {
+        let Tape { path, sink } = self.tape.take()?;
+        self.line.set(None);
+        let text = format!("{} is finished", path.display());
+        let end = aside(move || {
+            let written = sink.end().and_then(|w| w.map(Wav::finish).transpose());
+            let told = |w: Option<Written>| match w {
+                Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
+                None => format!("{} could not be written to its end", path.display()),
+            };
+            written.map(told).map_err(|e| e.to_string())
+        });
+        self.ends.push(end);
+        Some(text)
+    }
+
+    /// A file that is not there yet.
+    fn free(&self, ending: &str) -> Result<PathBuf, String> {
+        let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
+        let free = (1..TRIES).map(path).find(|p| !p.exists());
+        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
+    }
+}
+
+impl Files for Keep {
+    fn can_save(&self) -> bool {
         self.kept.is_some()
     }
 
-    /// The file in which sound is written now.
-    pub(super) fn recording(&self) -> Option<&Path> {
-        self.tape.as_ref().map(|t| t.path.as_path())
+    fn recording(&self) -> Option<String> {
+        self.tape.as_ref().map(|t| t.path.display().to_string())
     }
 
-    /// What came of files that were finished, one each.
-    pub(super) fn turn(&mut self, recorder: &mut Recorder) {
+    fn turn(&mut self, recorder: &mut Recorder) {
         let failed = self.line.end().failed.take();
         if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
             recorder.say(true, format!("{} is not recorded any more: {e}", tape.path.display()));
@@ -212,8 +236,7 @@ impl Keep {
         self.saves = self.saves.take().filter(waits);
     }
 
-    /// Writes sound from now on into a new file, or ends it.
-    pub(super) fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String> {
+    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String> {
         if !on {
             return self.stop().ok_or_else(|| "nothing is recorded".into());
         }
@@ -234,25 +257,7 @@ impl Keep {
         Ok(text)
     }
 
-    /// Ends what is recorded, if it is.
-    pub(super) fn stop(&mut self) -> Option<String> {
-        let Tape { path, sink } = self.tape.take()?;
-        self.line.set(None);
-        let text = format!("{} is finished", path.display());
-        let end = aside(move || {
-            let written = sink.end().and_then(|w| w.map(Wav::finish).transpose());
-            let told = |w: Option<Written>| match w {
-                Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
-                None => format!("{} could not be written to its end", path.display()),
-            };
-            written.map(told).map_err(|e| e.to_string())
-        });
-        self.ends.push(end);
-        Some(text)
-    }
-
-    /// All that was done so far, as a take.
-    pub(super) fn save(&mut self, recorder: &mut Recorder) -> Result<String, String> {
+    fn save(&mut self, recorder: &mut Recorder) -> Result<String, String> {
         let Some(kept) = &self.kept else {
             return Err("what devices did is kept only with --log TAKE, from the start".into());
         };
@@ -267,13 +272,6 @@ impl Keep {
         recorder.mark().inspect_err(|_| saving(None))?;
         self.saves = Some(end);
         Ok(text)
-    }
-
-    /// A file that is not there yet.
-    fn free(&self, ending: &str) -> Result<PathBuf, String> {
-        let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
-        let free = (1..TRIES).map(path).find(|p| !p.exists());
-        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
     }
 }
 

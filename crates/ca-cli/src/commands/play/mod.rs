@@ -1,28 +1,25 @@
 //! `ca play`: a model in the browser.
 //!
-//! Decides that this is `ca serve` with a page, not a second host: what people do in the page becomes commands of the same
-//! recorder ([`desk`]), an edited model another version of the scene ([`edit`]), what they see and hear comes from a sink like any other ([`sink`]), and the page is greeted with
-//! what there is to see ([`greeting`]).
+//! This is `ca serve` with a page: a session ([`ca_session`]) answers the requests of the page. Here are its page ([`desk`]),
+//! its compiler ([`edit`]) and its files ([`keep`]).
 
 mod browser;
 mod desk;
 mod edit;
-mod energy;
-mod greeting;
 mod keep;
-mod sink;
 
 use crate::args::PlayArgs;
 use crate::commands::serve::{self, Frontend, Opening};
+use crate::language::ModelLanguage;
 use crate::outcome::{Failure, Outcome};
 use crate::term;
 use ca_haptic::serve::Sink;
 use ca_play::Page;
+use ca_session::{Language as _, PageSink, Parts, Session};
 use ca_view::Drawing;
 use desk::Desk;
-use edit::Edit;
+use edit::Compiler;
 use keep::{Keep, Kept, TapeSink};
-use sink::PageSink;
 use std::any::Any;
 use std::sync::Arc;
 
@@ -55,7 +52,7 @@ impl Frontend for PlayArgs {
         sinks.push(Box::new(tape.clone()));
         let keep = Keep::new(name, kept, tape);
         let drawing = Arc::new(Drawing::new(scene));
-        let greeting = greeting::greeting(scene, &drawing, name, 1);
+        let greeting = ca_session::greeting(scene, &drawing, name, 1, ModelLanguage.stability(scene));
         let page = |port| Page::open(port, &greeting, self.framed);
         let page = match self.port {
             Some(port) => page(port).map_err(|e| {
@@ -63,11 +60,18 @@ impl Frontend for PlayArgs {
             })?,
             None => page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("no page: {e}")))?,
         };
-        let sink = PageSink::new(page.feed(), drawing.clone(), scene);
-        let edit = Edit::new(&self.serve, options);
-        let desk = Desk::new(page, name, drawing, scene.clone(), &sink, self, (edit, keep));
+        let sink = PageSink::new(Box::new(page.feed()), drawing.clone(), scene);
+        let parts = Parts {
+            pages: Box::new(page.feed()),
+            language: Box::new(ModelLanguage),
+            maker: Box::new(Compiler::new(&self.serve, options)),
+            files: Box::new(keep),
+            name: name.into(),
+            allow_arm: self.allow_arm,
+        };
+        let session = Session::new(parts, scene.clone(), drawing, &sink);
         sinks.push(Box::new(sink));
-        Ok(Box::new(desk))
+        Ok(Box::new(Desk { page, session }))
     }
 
     /// Opens it too.

@@ -5,7 +5,6 @@
 //! model without devices gets no gateway and no shared memory; one without live parameters and a page gets no control; sound
 //! goes to a device only where that is asked.
 
-mod answer;
 mod audio;
 mod frontend;
 mod inputs;
@@ -17,7 +16,6 @@ mod wav;
 use crate::args::{ClockKind, ServeArgs};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
-pub(super) use answer::{answer, param};
 use ca_compile::Options;
 use ca_haptic::coupling;
 use ca_haptic::engine::Engine;

@@ -1,6 +1,6 @@
 //! Speaks to other processes: to devices by the gateway, to `ca set`, `ca disarm` and the like by the control.
 
-use super::answer::{Change, answer};
+use crate::language::ModelLanguage;
 use crate::outcome::Failure;
 use crate::term;
 use ca_core::Scene;
@@ -16,6 +16,7 @@ use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::take::dofs;
 use ca_model::quantity::{show, six};
+use ca_session::{Change, answer};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -167,7 +168,7 @@ impl Talk {
                     Some(change) => Some(*change),
                     None => None,
                 };
-                answer(recorder, request, &mut leave, change)
+                answer(recorder, &ModelLanguage, request, &mut leave, change)
             });
         }
         leave

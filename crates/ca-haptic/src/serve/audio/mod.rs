@@ -9,19 +9,31 @@
 //! device; [`Follow`] tells the engine when its next gesture frame falls due. Each call of the device says how far it
 //! has come, what it took and when; nothing else passes, so that either side can stand still, and the other sees it.
 
+#[cfg(feature = "system")]
 mod dll;
+#[cfg(feature = "system")]
 mod follow;
+#[cfg(feature = "system")]
 mod outlet;
+mod outputs;
+#[cfg(feature = "system")]
 mod player;
-#[cfg(test)]
+#[cfg(all(test, feature = "system"))]
 mod tests;
 
+#[cfg(feature = "system")]
 pub use dll::Dll;
+#[cfg(feature = "system")]
 pub use follow::Follow;
-pub use outlet::{Outlet, Outputs, Patch, outlet};
+#[cfg(feature = "system")]
+pub use outlet::{Outlet, Patch, outlet};
+pub use outputs::Outputs;
+#[cfg(feature = "system")]
 pub use player::Player;
 
-use rtrb::{Consumer, RingBuffer};
+use rtrb::Consumer;
+#[cfg(feature = "system")]
+use rtrb::RingBuffer;
 use serde::Serialize;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering::Relaxed};
@@ -188,10 +200,12 @@ impl Watch {
 }
 
 /// How late a call may be \[s\] before what waits for it is too old to be played.
+#[cfg(feature = "system")]
 const HELD: f64 = 0.1;
 
 /// Both sides, and the recorder's: of a scene of so many channels and so many samples a gesture frame, for a device that asks
 /// for `buffer` samples at once.
+#[cfg(feature = "system")]
 pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) -> (Follow, Player, Watch) {
     let counts = Arc::new(Counts::default());
     let rate = f64::from(playback.rate);

@@ -7,8 +7,7 @@ use super::Recorder;
 use crate::engine::{EngineCommand, LONGEST, OwnGesture, Touch, Touched, lead};
 use ca_core::Scene;
 use ca_core::pointer::Pointer;
-use ca_io::gesture::Track;
-use ca_io::perform::own;
+use ca_io::gesture::{Track, own};
 
 /// No port is sent further than this \[m or N\]: no model that is played is so large, and its numbers would leave every range.
 const FURTHEST: f64 = 1e6;

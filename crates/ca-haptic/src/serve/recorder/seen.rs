@@ -64,7 +64,7 @@ impl Seen {
     pub fn sent(&mut self, frame: &DeviceFrame) -> Option<u64> {
         self.frames += 1;
         self.dof = u32::from(frame.n);
-        let ns = self.loops.device(frame, crate::rt::now_ns())?;
+        let ns = self.loops.device(frame, crate::time::now_ns())?;
         self.times.add(ns);
         Some(ns)
     }

@@ -10,7 +10,7 @@ use crate::term;
 use ca_audio::{AudioError, AudioRequest, DEFAULT, Opened};
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
-use ca_lab::gesture::port_maps;
+use ca_io::gesture::port_maps;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 pub(super) use switch::Switch;

@@ -1,8 +1,6 @@
-//! What plays a running model besides devices and pages: MIDI ([`midi`], [`events`]) and OSC ([`osc`]).
+//! Inputs besides devices and pages: cables of MIDI ([`midi`]), a sound server that brings MIDI, and OSC ([`osc`]).
 //!
-//! Decides that both end in what the recorder does for anybody: ports that glide, live parameters, the model's own gesture, so that a
-//! take has all of it. A port moves by MIDI as its `midi` says; a controller that no port listens to can be bound to a live
-//! parameter while it plays ([`Inputs::learn`]), and what moves nothing is told once.
+//! [`ca_session::Midi`] decides what an event of MIDI moves.
 
 mod midi;
 mod osc;
@@ -13,35 +11,21 @@ use crate::args::ServeArgs;
 use crate::outcome::Failure;
 use ca_audio::EventReader;
 use ca_core::Scene;
-use ca_haptic::engine::LONGEST;
 use ca_haptic::serve::Recorder;
-use ca_io::gesture::{Glide, Motion};
-use ca_io::live_midi::{Cable, LiveMidi, Played};
-use ca_lab::gesture::port_maps;
+use ca_session::Midi;
 use midi::Cables;
 use osc::Osc;
-use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 use token::Token;
 
-/// Channel and number of a controller.
-type Control = (u8, u8);
-
 /// All of them.
 pub(crate) struct Inputs {
-    live: LiveMidi,
+    pub(crate) midi: Midi,
+    begun: Instant,
     cables: Option<Cables>,
     /// of the server of sound
     events: Option<EventReader>,
     osc: Option<Osc>,
-    /// the parameter that a controller sets
-    bound: BTreeMap<Control, String>,
-    /// the parameter that the next controller is bound to
-    learning: Option<String>,
-    /// controllers that were told to move nothing
-    told: BTreeSet<Control>,
-    /// ports that the pedal held and that come up: where they go then, and when
-    lifted: Vec<(Instant, String, Glide)>,
 }
 
 impl Inputs {
@@ -59,21 +43,12 @@ impl Inputs {
             None => None,
         };
         Ok(Inputs {
-            live: LiveMidi::new(&port_maps(scene)),
+            midi: Midi::new(scene),
+            begun: Instant::now(),
             cables: Cables::open(args.midi.as_deref(), plays)?,
             events,
             osc,
-            bound: BTreeMap::new(),
-            learning: None,
-            told: BTreeSet::new(),
-            lifted: Vec::new(),
         })
-    }
-
-    /// Another version of the model plays: notes that were held are let go of with their ports.
-    pub(crate) fn version(&mut self, scene: &Scene) {
-        self.live = LiveMidi::new(&port_maps(scene));
-        self.lifted.clear();
     }
 
     /// The server of sound is another one, which brings these, or none.
@@ -95,21 +70,17 @@ impl Inputs {
         if recorder.is_swapping() {
             return;
         }
-        let now = Instant::now();
-        while let Some(due) = self.lifted.iter().position(|l| l.0 <= now) {
-            let (_, name, glide) = self.lifted.swap_remove(due);
-            let done = recorder.port(&name, glide.to, glide.over);
-            complain(recorder, done);
-        }
+        let begun = self.begun;
+        self.midi.turn(recorder, begun.elapsed());
         if let Some(mut cables) = self.cables.take() {
-            cables.turn(|cable, bytes| self.feed(recorder, cable, bytes));
+            cables.turn(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
             for (bad, text) in cables.news() {
                 recorder.say(bad, text);
             }
             self.cables = Some(cables);
         }
         if let Some(mut events) = self.events.take() {
-            events.turn(|cable, bytes| self.feed(recorder, cable, bytes));
+            events.turn(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
             if let Some(text) = events.news() {
                 recorder.say(true, text);
             }
@@ -121,89 +92,14 @@ impl Inputs {
         }
     }
 
-    /// MIDI as it comes from elsewhere, whole events.
-    pub(crate) fn midi(&mut self, recorder: &mut Recorder, bytes: &[u8]) {
-        self.feed(recorder, &mut Cable::default(), bytes);
+    /// Plays whole events that came without a cable.
+    fn play(&mut self, recorder: &mut Recorder, bytes: &[u8]) {
+        let now = self.now();
+        self.midi.play(recorder, bytes, now);
     }
 
-    fn feed(&mut self, recorder: &mut Recorder, cable: &mut Cable, bytes: &[u8]) {
-        for played in self.live.feed(cable, bytes) {
-            let done = match played {
-                Played::Port(name, motion) => self.port(recorder, name, motion),
-                Played::Control { channel, number, part, used } => {
-                    self.control(recorder, (channel, number), part, used)
-                }
-                Played::Unheard(text) => {
-                    recorder.say(false, text);
-                    Ok(())
-                }
-            };
-            complain(recorder, done);
-        }
-    }
-
-    /// Sends a port on its way: at once, or once it has come up.
-    fn port(&mut self, recorder: &mut Recorder, name: String, Motion { lift, glide }: Motion) -> Result<(), String> {
-        self.lifted.retain(|l| l.1 != name);
-        let first = lift.unwrap_or(glide);
-        recorder.port(&name, first.to, first.over)?;
-        if lift.is_some() {
-            let up = Instant::now() + Duration::from_secs_f64(first.over.clamp(0.0, LONGEST));
-            self.lifted.push((up, name, glide));
-        }
-        Ok(())
-    }
-
-    fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), String> {
-        if let Some(name) = self.learning.take() {
-            recorder.say(false, format!("controller {} on channel {} sets `{name}`", at.1, at.0));
-            // one controller a parameter
-            self.bound.retain(|_, n| *n != name);
-            self.bound.insert(at, name);
-        }
-        let Some(name) = self.bound.get(&at) else {
-            if !used && self.told.insert(at) {
-                let text = format!("controller {} on channel {} moves nothing; bind it to a parameter", at.1, at.0);
-                recorder.say(false, text);
-            }
-            return Ok(());
-        };
-        let range = recorder.controls().params().iter().find(|p| p.name == *name).map(|p| (p.min, p.max));
-        let (min, max) = range.ok_or_else(|| format!("`{name}` is no live parameter any more"))?;
-        recorder.set(&[(name.clone(), if part >= 1.0 { max } else { min + part * (max - min) })])
-    }
-
-    /// The next controller that moves sets this live parameter from now on, between its bounds; none where no name is given.
-    ///
-    /// # Errors
-    /// In words, where there is no such parameter, or it has no bounds.
-    pub(crate) fn learn(&mut self, recorder: &Recorder, name: Option<&str>) -> Result<(), String> {
-        if let Some(name) = name {
-            let params = recorder.controls().params();
-            let param = params.iter().find(|p| p.name == name);
-            let param = param.ok_or_else(|| format!("`{name}` is not a live parameter of this model"))?;
-            if !(param.min.is_finite() && param.max.is_finite()) {
-                return Err(format!("`{name}` has no bounds to go between; give it `min` and `max` in the model"));
-            }
-        }
-        self.learning = name.map(Into::into);
-        Ok(())
-    }
-
-    /// The parameter that waits for a controller.
-    pub(crate) fn learning(&self) -> Option<&str> {
-        self.learning.as_deref()
-    }
-
-    /// Channel, number and parameter of each controller that is bound.
-    pub(crate) fn bound(&self) -> impl Iterator<Item = (u8, u8, &str)> {
-        self.bound.iter().map(|((channel, number), name)| (*channel, *number, name.as_str()))
-    }
-}
-
-/// Says why MIDI did nothing.
-fn complain(recorder: &mut Recorder, done: Result<(), String>) {
-    if let Err(why) = done {
-        recorder.say(true, format!("MIDI: {why}"));
+    /// Time since the inputs were opened.
+    pub(crate) fn now(&self) -> Duration {
+        self.begun.elapsed()
     }
 }

@@ -17,11 +17,12 @@
 
 use super::Inputs;
 use super::token::Token;
-use crate::commands::serve::answer::value;
+use crate::language::ModelLanguage;
 use crate::outcome::Failure;
 use ca_haptic::engine::GLIDE;
 use ca_haptic::host::control::Given;
 use ca_haptic::serve::Recorder;
+use ca_session::value;
 use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
 use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
 use std::time::Instant;
@@ -164,18 +165,20 @@ fn message(
     let args = &m.args[..];
     if let Some(name) = m.addr.strip_prefix("/param/") {
         let [v] = args else { return Err("takes one value".into()) };
-        sets.push((name.into(), value(recorder, name, given(v)?)?));
+        sets.push((name.into(), value(recorder, &ModelLanguage, name, given(v)?)?));
         return Ok(());
     }
     match (m.addr.as_str(), args) {
-        ("/param", [OscType::String(name), v]) => sets.push((name.clone(), value(recorder, name, given(v)?)?)),
+        ("/param", [OscType::String(name), v]) => {
+            sets.push((name.clone(), value(recorder, &ModelLanguage, name, given(v)?)?));
+        }
         ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
         ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
         ("/port", _) => return Err("takes the name of a port, its value and, if you like, seconds".into()),
-        ("/note", [key, velocity, rest @ ..]) => inputs.midi(recorder, &midi(0x90, [key, velocity], rest)?),
+        ("/note", [key, velocity, rest @ ..]) => inputs.play(recorder, &midi(0x90, [key, velocity], rest)?),
         ("/note", _) => return Err("takes a key, a velocity (0 to let go) and, if you like, a channel".into()),
-        ("/control", [n, v, rest @ ..]) => inputs.midi(recorder, &midi(0xb0, [n, v], rest)?),
+        ("/control", [n, v, rest @ ..]) => inputs.play(recorder, &midi(0xb0, [n, v], rest)?),
         ("/control", _) => return Err("takes a controller, a value and, if you like, a channel".into()),
         ("/gesture", [v]) => recorder.gesture(truth(v)?)?,
         ("/gesture", _) => return Err("takes 1 or 0".into()),

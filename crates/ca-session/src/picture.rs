@@ -1,50 +1,50 @@
-//! What a page sees and hears of a performance.
+//! Pictures, sound and news for the pages.
 //!
-//! Decides that nothing is drawn or sent where nobody looks or listens, and that sound goes in blocks of 5 ms: a message a
-//! gesture frame would cost the page more than it plays.
+//! Without a page nothing is drawn or sent. Sound is sent in blocks of 5 ms, because a message for each gesture frame would
+//! cost the page more than playing it.
 
-use super::energy::KineticEnergy;
+use crate::energy::KineticEnergy;
+use crate::pages::Pages;
+use crate::protocol::{Message, binary};
 use ca_core::Scene;
 use ca_haptic::serve::{Notice, Sink, SinkStreams, StatsSnapshot};
 use ca_haptic::version::Version;
 use ca_io::FileError;
-use ca_play::{Feed, message};
 use ca_view::Drawing;
-use serde_json::json;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Samples of a block, for each channel.
 const BLOCK: usize = 256;
 
-/// Pictures for each word on energy.
+/// Pictures for each message `energy`.
 const ENERGIES: u64 = 3;
 
-/// The last statistics of the engine, as the page shows them.
+/// The last statistics of the engine.
 #[derive(Clone, Default)]
 pub(crate) struct Stats(Arc<Mutex<Option<StatsSnapshot>>>);
 
 impl Stats {
-    pub(super) fn get(&self) -> Option<StatsSnapshot> {
+    pub(crate) fn get(&self) -> Option<StatsSnapshot> {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// A drawing, and of which version of the scene.
+/// A drawing and the version of the scene that it shows.
 type Drawn = (u32, Arc<Drawing>);
 
-/// The drawing of a version of the scene that is on its way, from the desk to the sink.
+/// The drawing of the next version of the scene, from the session to the sink.
 #[derive(Clone, Default)]
 pub(crate) struct Coming(Arc<Mutex<Option<Drawn>>>);
 
 impl Coming {
-    pub(super) fn put(&self, generation: u32, drawing: Arc<Drawing>) {
+    pub(crate) fn put(&self, generation: u32, drawing: Arc<Drawing>) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((generation, drawing));
     }
 }
 
-/// Feeds a page.
-pub(crate) struct PageSink {
-    feed: Feed,
+/// Sends pictures, sound and news to the pages.
+pub struct PageSink {
+    pages: Box<dyn Pages>,
     drawing: Arc<Drawing>,
     channels: usize,
     stats: Stats,
@@ -64,9 +64,10 @@ pub(crate) struct PageSink {
 }
 
 impl PageSink {
-    pub(super) fn new(feed: Feed, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
+    /// A sink for `pages`, which shows `scene` as `drawing` has it.
+    pub fn new(pages: Box<dyn Pages>, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
         PageSink {
-            feed,
+            pages,
             drawing,
             channels: scene.channels,
             energy: KineticEnergy::new(scene),
@@ -82,11 +83,11 @@ impl PageSink {
         }
     }
 
-    pub(super) fn coming(&self) -> Coming {
+    pub(crate) fn coming(&self) -> Coming {
         self.coming.clone()
     }
 
-    pub(super) fn stats(&self) -> Stats {
+    pub(crate) fn stats(&self) -> Stats {
         self.stats.clone()
     }
 }
@@ -97,42 +98,42 @@ impl Sink for PageSink {
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        if !self.feed.is_heard() {
+        if !self.pages.is_heard() {
             self.samples.clear();
             return Ok(());
         }
         let next = self.tick + (self.samples.len() / self.channels.max(1)) as u64;
         if self.samples.is_empty() || tick != next {
-            // what is missing is missing: the page sees it by the tick
+            // the page finds a gap by the tick
             self.samples.clear();
             self.tick = tick;
         }
         self.samples.extend_from_slice(frames);
         if self.samples.len() >= BLOCK * self.channels {
-            message::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
-            self.feed.sound(&self.message);
+            binary::sound(&mut self.message, self.channels as u32, self.tick as f64, &self.samples);
+            self.pages.sound(&self.message);
             self.samples.clear();
         }
         Ok(())
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        // pictures of the version before are none of this one
-        if self.feed.is_seen() && tick >= self.since {
-            message::view(&mut self.message, self.generation, tick as f64);
+        // pictures of the version before do not belong to this one
+        if self.pages.is_seen() && tick >= self.since {
+            binary::view(&mut self.message, self.generation, tick as f64);
             self.drawing.view(x, &mut self.message);
-            self.feed.view(&self.message);
+            self.pages.view(&self.message);
         }
         Ok(())
     }
 
     fn motion(&mut self, tick: u64, d: &[f64]) -> Result<(), FileError> {
-        if self.feed.is_seen() && tick >= self.since {
+        if self.pages.is_seen() && tick >= self.since {
             self.pictures += 1;
             if self.pictures.is_multiple_of(ENERGIES) {
                 let seconds = tick as f64 * self.sample;
                 let joules = self.energy.of(d);
-                self.feed.tell_all(&json!({"type": "energy", "seconds": seconds, "motion": joules}));
+                self.pages.tell_all(&Message::Energy { seconds, motion: joules });
             }
         }
         Ok(())
@@ -153,7 +154,7 @@ impl Sink for PageSink {
     }
 
     fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
-        self.feed.tell_all(&json!({"type": "said", "bad": notice.bad, "text": notice.text}));
+        self.pages.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
         Ok(())
     }
 }

@@ -1,24 +1,24 @@
 //! Energy of motion, as the page shows it.
 //!
-//! Decides that it is had from the pictures and not from the ledger, which a scene keeps only where that is asked; and that it is
-//! summed by the name of what the author wrote, a string or a hammer, since that is what somebody watches.
+//! It is computed from the pictures, since a scene has an energy ledger only on request. The sums go by the names that the
+//! author of the model wrote, such as a string or a hammer.
 
 use ca_core::Scene;
 use ca_core::scene::Location;
 
-/// Names that are told apart; the last takes what there is more.
+/// Names at most; masses of further names count under the last.
 const NAMES: usize = 6;
 
-/// Masses, and whose they are.
-pub(super) struct KineticEnergy {
+/// The masses of a scene, summed by name.
+pub(crate) struct KineticEnergy {
     names: Vec<String>,
     /// places in the state, which sum, and ½ m/T² \[J/m²\] at load
     masses: Vec<(usize, usize, f64)>,
 }
 
 impl KineticEnergy {
-    /// Of what can move in a scene.
-    pub(super) fn new(scene: &Scene) -> KineticEnergy {
+    /// All masses of a scene that can move.
+    pub(crate) fn new(scene: &Scene) -> KineticEnergy {
         let (mut names, mut masses): (Vec<String>, _) = (Vec::new(), Vec::new());
         let mut more = false;
         for k in 0..scene.mats() {
@@ -49,13 +49,13 @@ impl KineticEnergy {
         KineticEnergy { names, masses }
     }
 
-    /// Of each sum, its name.
-    pub(super) fn names(&self) -> &[String] {
+    /// The name of each sum.
+    pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Of each sum \[J\], given the displacements in a tick \[m\].
-    pub(super) fn of(&self, d: &[f64]) -> Vec<f64> {
+    /// The energy of each sum \[J\]; `d` has the displacements in a tick \[m\].
+    pub(crate) fn of(&self, d: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.names.len()];
         for (place, sum, half) in &self.masses {
             let d = d.get(*place).copied().unwrap_or(0.0);

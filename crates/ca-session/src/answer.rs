@@ -1,22 +1,29 @@
-//! What a running server answers.
+//! Answers to requests of `ca set`, `ca arm` and the like, which pages send too.
 
+use crate::host::Language;
 use ca_core::live::LiveParam;
+use ca_core::numeric::Plain;
+use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::guard::Order;
-use ca_haptic::host::control::{Given, Reply, Request};
 use ca_haptic::serve::Recorder;
-use ca_model::quantity;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
-/// The longest name that is looked for \[bytes\].
+/// Longest name that is searched \[bytes\].
 const LONGEST: usize = 300;
 
 /// Changes a number of the model that is not live, as by `--set`: its name and value.
-pub(crate) type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), String>;
+pub type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), String>;
 
-/// Does what is asked; sets `leave` where that is the end. Where there is a `change`, what is no live parameter is a number of the
-/// model that is made anew.
-pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool, change: Option<Change<'_>>) -> Reply {
+/// Answers a request; sets `leave` if it ends the program. With `change`, names that are not live parameters are numbers of the
+/// model, which is then compiled again.
+pub fn answer(
+    recorder: &mut Recorder,
+    language: &dyn Language,
+    request: Request,
+    leave: &mut bool,
+    change: Option<Change<'_>>,
+) -> Reply {
     let done = |r: Result<(), String>, text: String| match r {
         Ok(()) => Reply::done(text),
         Err(why) => Reply::refused(why),
@@ -27,12 +34,12 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
             let live = |name: &String| recorder.controls().params().iter().any(|p| p.name == *name);
             let (values, anew) = values.into_iter().partition::<Vec<_>, _>(|(name, _)| change.is_none() || live(name));
             for (name, given) in values {
-                match value(recorder, &name, given) {
+                match value(recorder, language, &name, given) {
                     Ok(v) => list.push((name, v)),
                     Err(why) => return Reply::refused(why),
                 }
             }
-            let mut names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", quantity::Plain(*v))).collect();
+            let mut names: Vec<String> = list.iter().map(|(n, v)| format!("{n} = {}", Plain(*v))).collect();
             if let Err(why) = if anew.is_empty() || !list.is_empty() { recorder.set(&list) } else { Ok(()) } {
                 return Reply::refused(why);
             }
@@ -77,15 +84,18 @@ pub(crate) fn answer(recorder: &mut Recorder, request: Request, leave: &mut bool
     }
 }
 
-/// What is given for a live parameter \[SI\].
-pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64, String> {
+/// The value of a live parameter \[SI\].
+///
+/// # Errors
+/// In words, if the parameter does not exist, or the text is not a quantity of its unit.
+pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Given) -> Result<f64, String> {
     let params = recorder.controls().params();
     if name.len() > LONGEST {
         return Err(format!("a name has {LONGEST} bytes at most"));
     }
     let Some(param) = params.iter().find(|p| p.name == name) else {
-        let meant = ca_model::suggest::nearest(name, params.iter().map(|p| p.name.as_str()));
-        let hint = match meant {
+        let names: Vec<&str> = params.iter().map(|p| p.name.as_str()).collect();
+        let hint = match language.nearest(name, &names) {
             Some(m) => format!("did you mean `{m}`?"),
             None => "declare it in [param] with live = true".into(),
         };
@@ -93,18 +103,12 @@ pub(super) fn value(recorder: &Recorder, name: &str, given: Given) -> Result<f64
     };
     match given {
         Given::Number(v) => Ok(v),
-        Given::Text(text) => {
-            let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
-            if q.has_unit && !q.dim.same(param.unit.dim) {
-                return Err(format!("`{name}` is a quantity in {}", param.unit.symbol));
-            }
-            Ok(q.value)
-        }
+        Given::Text(text) => language.value(param, &text),
     }
 }
 
-/// A live parameter, for programs; a bound that is infinite is null.
-pub(crate) fn param(p: &LiveParam) -> Value {
+/// A live parameter as JSON; a bound that is infinite is null.
+fn param(p: &LiveParam) -> Value {
     json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
 }
 

@@ -1,0 +1,29 @@
+//! The language of models, for sessions.
+
+use crate::commands::render::stability;
+use ca_core::Scene;
+use ca_core::live::LiveParam;
+use ca_model::{quantity, suggest};
+use ca_session::Language;
+
+/// Quantities and names as models write them.
+pub(crate) struct ModelLanguage;
+
+impl Language for ModelLanguage {
+    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String> {
+        let name = &param.name;
+        let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
+        if q.has_unit && !q.dim.same(param.unit.dim) {
+            return Err(format!("`{name}` is a quantity in {}", param.unit.symbol));
+        }
+        Ok(q.value)
+    }
+
+    fn nearest(&self, word: &str, names: &[&str]) -> Option<String> {
+        suggest::nearest(word, names.iter().copied()).map(Into::into)
+    }
+
+    fn stability(&self, scene: &Scene) -> String {
+        stability(&scene.certificate)
+    }
+}

@@ -1,0 +1,109 @@
+//! Edits of the model while it plays: a text that was saved, and numbers that were changed.
+//!
+//! The [`Maker`] compiles; this module decides what is compiled and when. A version with errors is reported and changes
+//! nothing. If several changes were refused together, each is tried alone, so that a wrong one does not take a good one along.
+
+use crate::host::{Made, Maker, Making};
+use ca_haptic::engine::Setup;
+use std::collections::VecDeque;
+
+/// Numbers that are changed at most, and the longest name or value \[bytes\].
+const MOST: usize = 200;
+const LONGEST: usize = 300;
+
+/// Name and value of a number of the model.
+type Number = (String, String);
+
+/// The changes of the numbers, and the compilation under way.
+pub(crate) struct Edit {
+    maker: Box<dyn Maker>,
+    /// numbers that were changed since the start, in order
+    changes: Vec<Number>,
+    /// the changes that are being compiled
+    tried: Vec<Number>,
+    /// the changes of the last version that was good
+    good: Vec<Number>,
+    /// changes that were refused together, to be tried one by one
+    singly: VecDeque<Number>,
+    /// something changed since the last compilation began
+    again: bool,
+    /// the next version begins as at load
+    anew: bool,
+}
+
+impl Edit {
+    pub(crate) fn new(maker: Box<dyn Maker>) -> Edit {
+        Edit {
+            maker,
+            changes: Vec::new(),
+            tried: Vec::new(),
+            good: Vec::new(),
+            singly: VecDeque::new(),
+            again: false,
+            anew: false,
+        }
+    }
+
+    /// Begins again as at load, with the numbers as they are.
+    pub(crate) fn restart(&mut self) {
+        (self.again, self.anew) = (true, true);
+    }
+
+    /// Changes a number of the model, as by `--set`.
+    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        if self.changes.len() >= MOST && !self.changes.iter().any(|c| c.0 == name) {
+            return Err(format!("{MOST} numbers are changed already; write them into the file of the model"));
+        }
+        if name.len().max(value.len()) > LONGEST {
+            return Err(format!("`name` and `value` have {LONGEST} bytes at most"));
+        }
+        put(&mut self.changes, (name.into(), value.into()));
+        self.again = true;
+        Ok(())
+    }
+
+    /// Takes a version that was compiled for devices of these setups, or the reason why there is none, and begins the next
+    /// compilation. To be called every few milliseconds.
+    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, String>> {
+        self.again |= self.maker.is_new();
+        if let Some(why) = self.maker.gone() {
+            return Some(Err(why));
+        }
+        let mut made = match self.maker.poll() {
+            Making::Busy => return None,
+            Making::Idle => None,
+            Making::Done(made) => Some(made),
+        };
+        match made {
+            Some(Ok(_)) => self.good.clone_from(&self.tried),
+            // refused changes are dropped; those that came since are tried
+            Some(Err(_)) => {
+                let now = core::mem::replace(&mut self.changes, self.good.clone());
+                now.into_iter().filter(|c| !self.tried.contains(c)).for_each(|c| put(&mut self.changes, c));
+                let new: Vec<_> = self.tried.iter().filter(|c| !self.good.contains(c)).cloned().collect();
+                if new.len() > 1 {
+                    self.singly.extend(new);
+                    made = None;
+                }
+            }
+            None => {}
+        }
+        if let Some(change) = (!self.again).then(|| self.singly.pop_front()).flatten() {
+            put(&mut self.changes, change);
+            self.again = true;
+        }
+        if core::mem::take(&mut self.again) {
+            self.tried.clone_from(&self.changes);
+            if let Err(why) = self.maker.start(&self.changes, core::mem::take(&mut self.anew), setups) {
+                return Some(Err(why));
+            }
+        }
+        made
+    }
+}
+
+/// Adds a change, in the place of an earlier one of the same number.
+fn put(changes: &mut Vec<Number>, change: Number) {
+    changes.retain(|c| c.0 != change.0);
+    changes.push(change);
+}

@@ -1,0 +1,67 @@
+//! The message `scene`: everything that a page shows and plays.
+
+use crate::energy::KineticEnergy;
+use crate::protocol::{Message, Param, PortInfo, PortRole};
+use ca_core::Scene;
+use ca_core::io::midi::MidiSource;
+use ca_core::live::LiveParam;
+use ca_core::scene::{Input, InputRole};
+use ca_view::Drawing;
+use std::collections::BTreeSet;
+
+/// The message `scene` of version `generation` of the model called `model`. `stability` says in words what is proven.
+pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, stability: String) -> Message {
+    let params = scene.controls().params().iter().map(param).collect();
+    let ports = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
+    Message::Scene {
+        generation,
+        title: scene.title.clone(),
+        model: model.into(),
+        rate: scene.rate,
+        frame: scene.ratio,
+        channels: scene.channel_names.clone(),
+        drawing: drawing.json(),
+        params,
+        ports,
+        gesture: !scene.gestures.is_empty(),
+        notes: notes(scene),
+        seconds: scene.seconds,
+        energy: KineticEnergy::new(scene).names().to_vec(),
+        stability,
+    }
+}
+
+/// A live parameter; a bound that is infinite is left out.
+fn param(p: &LiveParam) -> Param {
+    let finite = |v: f64| v.is_finite().then_some(v);
+    let (unit, doc) = (p.unit.symbol.into(), p.doc.clone());
+    Param { name: p.name.clone(), value: p.value, min: finite(p.min), max: finite(p.max), unit, doc }
+}
+
+/// The keys that play, lowest first, or none.
+///
+/// A port that drives a parameter, such as the loudness of all notes, makes no key sound by itself.
+fn notes(scene: &Scene) -> Option<Vec<u8>> {
+    let range = |i: &Input| match i.midi?.source {
+        MidiSource::Note { low, high } => Some(low..=high),
+        _ => None,
+    };
+    let drives = |i: &Input| scene.live.driven.iter().any(|d| d.port == i.name);
+    let (turn, play): (Vec<&Input>, Vec<&Input>) = scene.inputs.iter().partition(|i| drives(i));
+    let of = |ports: Vec<&Input>| ports.into_iter().filter_map(range).flatten().collect::<BTreeSet<u8>>();
+    let keys = Some(of(play)).filter(|k| !k.is_empty()).unwrap_or_else(|| of(turn));
+    (!keys.is_empty()).then(|| keys.into_iter().collect())
+}
+
+fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> PortInfo {
+    let role = match input.role {
+        InputRole::Position => PortRole::Position,
+        InputRole::Force => PortRole::Force,
+        InputRole::Device => PortRole::Device,
+    };
+    let mut ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+    let place = ports.find(|p| p.input as usize == k).map(|p| p.mat);
+    let mass = place.and_then(|place| scene.symbols.places().iter().position(|p| *p == place));
+    let mass = mass.and_then(|m| drawing.drawn_mass(m)).map(|m| m as u64);
+    PortInfo { name: input.name.clone(), role, mass, rest: input.rest }
+}

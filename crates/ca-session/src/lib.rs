@@ -1,0 +1,31 @@
+//! One playing instrument, as a page and a program use it, without operating system, threads and transport.
+//!
+//! [`Session`] answers requests of pages and hands new versions of the model to the recorder; [`PageSink`] sends pictures,
+//! sound and news; [`Midi`] plays MIDI; [`answer`](fn@answer) serves `ca set` and the like. [`Instrument`] is all of
+//! them with an engine, for programs without threads. [`protocol`] has a type for each
+//! message between the page of `ca play` and the program.
+//!
+//! The traits in this crate name everything else: pages ([`Pages`]), the language ([`Language`]), the compiler
+//! ([`Maker`]) and files ([`Files`]). The caller gives the time.
+#![forbid(unsafe_code)]
+
+mod answer;
+mod edit;
+mod energy;
+mod greeting;
+mod host;
+mod instrument;
+mod midi;
+mod pages;
+mod picture;
+pub mod protocol;
+mod session;
+
+pub use answer::{Change, answer, value};
+pub use greeting::greeting;
+pub use host::{Files, Language, Made, Maker, Making};
+pub use instrument::Instrument;
+pub use midi::Midi;
+pub use pages::Pages;
+pub use picture::PageSink;
+pub use session::{Parts, Session};

@@ -1,0 +1,32 @@
+//! The pages that are open, as a session and its sink use them.
+
+use crate::protocol::Message;
+
+/// The pages that are open. No method waits for a page.
+pub trait Pages {
+    /// Sends the message `scene` to all pages, and to each page that comes later.
+    fn greet(&self, scene: &Message);
+
+    /// Sends a message to one page.
+    fn tell(&self, page: u64, message: &Message);
+
+    /// Sends a message to all pages.
+    fn tell_all(&self, message: &Message);
+
+    /// Pages that are open.
+    fn count(&self) -> usize;
+
+    /// True if a page is open.
+    fn is_seen(&self) -> bool {
+        self.count() > 0
+    }
+
+    /// True if a page wants sound.
+    fn is_heard(&self) -> bool;
+
+    /// Sends a picture ([`binary::view`](crate::protocol::binary::view)). It replaces one that was not fetched yet.
+    fn view(&self, picture: &[u8]);
+
+    /// Sends sound ([`binary::sound`](crate::protocol::binary::sound)) to the pages that want it.
+    fn sound(&self, block: &[u8]);
+}

@@ -1,0 +1,371 @@
+//! The requests of pages, and the state that pages share.
+//!
+//! A page asks as `ca set` and `ca disarm` do, by the same words and with the same answers. One page at a time holds a mass;
+//! it is released when that page closes. A page arms forces only where the command line allows it.
+
+use crate::answer::answer;
+use crate::edit::Edit;
+use crate::greeting::greeting;
+use crate::host::{Files, Language, Made, Maker};
+use crate::midi::Midi;
+use crate::pages::Pages;
+use crate::picture::{Coming, PageSink, Stats};
+use crate::protocol::{Asked, Bound, Choices, DeviceState, Message, Picked, Request as PageAsks};
+use ca_core::Scene;
+use ca_haptic::control::Request;
+use ca_haptic::engine::{GLIDE, Setup};
+use ca_haptic::frame::{Cause, Mode};
+use ca_haptic::serve::{Recorder, Shared};
+use ca_view::Drawing;
+use serde_json::Value;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+
+/// Between two messages `state`.
+const NEWS: Duration = Duration::from_millis(250);
+
+/// Longest name of a sound device \[bytes\].
+const NAME: usize = 300;
+
+/// Longest MIDI of a request \[bytes\]: as much as a chord needs.
+const MIDI: usize = 96;
+
+/// The parts that the host gives a session.
+pub struct Parts {
+    /// the pages
+    pub pages: Box<dyn Pages>,
+    /// the language of the model
+    pub language: Box<dyn Language>,
+    /// compiles edits
+    pub maker: Box<dyn Maker>,
+    /// writes files
+    pub files: Box<dyn Files>,
+    /// name of the model
+    pub name: String,
+    /// a page may arm forces
+    pub allow_arm: bool,
+}
+
+/// One instrument that plays, with its pages.
+pub struct Session {
+    pages: Box<dyn Pages>,
+    language: Box<dyn Language>,
+    files: Box<dyn Files>,
+    edit: Edit,
+    name: String,
+    allow_arm: bool,
+    drawing: Arc<Drawing>,
+    scene: Arc<Scene>,
+    stats: Stats,
+    /// what plays the sound besides the page
+    sound: String,
+    /// the page that holds a mass
+    holder: Option<u64>,
+    /// version of the model that plays
+    generation: u32,
+    coming: Coming,
+    /// the version that the engine was given
+    next: Option<(Arc<Scene>, Arc<Drawing>)>,
+    /// the model's own gesture begins with the next version
+    plays: bool,
+    /// when the next message `state` is due
+    news: Duration,
+}
+
+/// An answer in words, and the mass that was asked for.
+type Answer = Result<(String, Option<Picked>), String>;
+
+impl Session {
+    /// A session that plays `scene`, whose pages are fed by `sink`.
+    pub fn new(parts: Parts, scene: Arc<Scene>, drawing: Arc<Drawing>, sink: &PageSink) -> Session {
+        let Parts { pages, language, maker, files, name, allow_arm } = parts;
+        Session {
+            pages,
+            language,
+            files,
+            edit: Edit::new(maker),
+            name,
+            allow_arm,
+            drawing,
+            scene,
+            stats: sink.stats(),
+            sound: "page".into(),
+            holder: None,
+            generation: 1,
+            coming: sink.coming(),
+            next: None,
+            plays: false,
+            news: Duration::ZERO,
+        }
+    }
+
+    /// Something other than the page plays the sound, or again the page.
+    pub fn sounds_by(&mut self, host: &str) {
+        self.sound = host.into();
+    }
+
+    /// Changes a number of the model, as by `--set`.
+    ///
+    /// # Errors
+    /// In words, if there are too many changes, or one is too long.
+    pub fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        self.edit.change(name, value)
+    }
+
+    /// Ends the session; what is still being written ends with the result.
+    pub fn close(self) -> Box<dyn Files> {
+        self.files
+    }
+
+    /// Reports files that were finished and takes new versions of the model; without `setups` no version. To be called every
+    /// few milliseconds. False while the engine changes to another version: requests then wait.
+    pub fn turn(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
+        self.files.turn(recorder);
+        if recorder.is_swapping() {
+            return false;
+        }
+        if let Some(setups) = setups {
+            self.version(recorder, midi, setups);
+        }
+        !recorder.is_swapping()
+    }
+
+    /// Answers a request of a page. True if it ends the program.
+    pub fn ask(
+        &mut self,
+        recorder: &mut Recorder,
+        midi: &mut Midi,
+        (client, asked): (u64, Asked),
+        now: Duration,
+    ) -> bool {
+        let mut leave = false;
+        let Asked { id, request } = asked;
+        let answer = request.and_then(|r| self.answer(recorder, midi, (client, &r), now, &mut leave));
+        let (ok, text, picked) = match answer {
+            Ok((text, picked)) => (true, text, picked),
+            Err(why) => (false, why, None),
+        };
+        // a request without a number is answered only if it is refused
+        if id.is_some() || !ok {
+            let id = id.unwrap_or(Value::Null);
+            self.pages.tell(client, &Message::Reply { id, ok, text, picked });
+        }
+        leave
+    }
+
+    /// A page was closed: it releases its mass.
+    pub fn left(&mut self, recorder: &mut Recorder, client: u64) {
+        if self.holder == Some(client) {
+            self.holder = None;
+            if let Err(why) = recorder.release() {
+                self.pages.tell_all(&Message::Said { bad: true, text: why });
+            }
+        }
+    }
+
+    /// Sends the message `state`, if it is due.
+    pub fn news(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
+        if now >= self.news && self.pages.is_seen() {
+            self.news = now + NEWS;
+            self.pages.tell_all(&self.state(recorder, midi, shared));
+        }
+    }
+
+    /// Shows a version of the model that the engine plays now, and gives the engine one that was made.
+    fn version(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: &[Setup]) {
+        if let Some((scene, drawing)) = self.next.take() {
+            midi.version(&scene);
+            (self.scene, self.drawing, self.holder) = (scene, drawing, None);
+            let stability = self.language.stability(&self.scene);
+            self.pages.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
+            if core::mem::take(&mut self.plays) && !self.scene.gestures.is_empty() {
+                if let Err(why) = recorder.gesture(true) {
+                    recorder.say(true, why);
+                }
+            }
+        }
+        let Some(made) = self.edit.turn(setups) else { return };
+        let mut bad = made.is_err();
+        let made = made.and_then(|made| {
+            let Made { version, drawing, warnings, softened, setups } = *made;
+            bad = softened;
+            let (scene, anew) = (version.scene.clone(), version.anew);
+            recorder.swap(version, &setups)?;
+            self.generation += 1;
+            self.coming.put(self.generation, drawing.clone());
+            self.next = Some((scene, drawing));
+            Ok((if anew { "begins anew" } else { "the model was read again" }, warnings))
+        });
+        let ok = made.is_ok();
+        bad |= !ok;
+        self.plays &= ok;
+        let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
+        self.pages.tell_all(&Message::Report { ok, text: text.clone() });
+        recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
+    }
+
+    fn answer(
+        &mut self,
+        recorder: &mut Recorder,
+        midi: &mut Midi,
+        (client, request): (u64, &PageAsks),
+        now: Duration,
+        leave: &mut bool,
+    ) -> Answer {
+        let done = |text: &str| Ok((text.to_string(), None));
+        let language = &*self.language;
+        let mut control = |recorder: &mut Recorder, request: Request| {
+            let reply = answer(recorder, language, request, leave, None);
+            if reply.ok { Ok((reply.text, None)) } else { Err(reply.text) }
+        };
+        match request {
+            PageAsks::Grab { mass } => {
+                if self.holder.is_some_and(|h| h != client) {
+                    return Err("somebody else holds a mass".into());
+                }
+                recorder.grab(self.mass(*mass)?.1)?;
+                self.holder = Some(client);
+                done("held")
+            }
+            PageAsks::Drag { by } => {
+                if self.holder != Some(client) {
+                    return Err("no mass is held; grab one first".into());
+                }
+                recorder.drag(vector(by.as_deref())?)?;
+                done("pulled")
+            }
+            PageAsks::Release => {
+                if self.holder == Some(client) {
+                    self.holder = None;
+                    recorder.release()?;
+                }
+                done("let go")
+            }
+            PageAsks::Gesture { play } => {
+                recorder.gesture(*play)?;
+                done(if *play { "the model's own gesture plays" } else { "the gesture has stopped" })
+            }
+            PageAsks::Port { name, value } => {
+                let name = name.as_deref().ok_or("`name`: which port?")?;
+                recorder.port(name, value.ok_or("`value` is a number [m or N]")?, GLIDE)?;
+                done(name)
+            }
+            PageAsks::Change { name, value } => {
+                let [name, value] = [name, value].map(|text| text.trim());
+                if name.is_empty() || value.is_empty() {
+                    return Err("`name` and `value`: which number of the model, and what it is to be".into());
+                }
+                self.edit.change(name, value)?;
+                done("the model is made anew")
+            }
+            PageAsks::Restart => {
+                self.edit.restart();
+                done("all begins as at load")
+            }
+            PageAsks::Play => {
+                self.edit.restart();
+                self.plays = true;
+                done("all begins as at load, and plays")
+            }
+            PageAsks::Midi { bytes } => {
+                let bytes = bytes.as_deref().filter(|b| b.len() <= MIDI);
+                midi.play(
+                    recorder,
+                    bytes.ok_or_else(|| format!("`bytes` are up to {MIDI} numbers from 0 to 255"))?,
+                    now,
+                );
+                done("played")
+            }
+            PageAsks::Learn { name } => {
+                let name = name.as_ref().and_then(Option::as_deref);
+                midi.learn(recorder, name)?;
+                done(if name.is_some() { "move a controller" } else { "no controller is bound" })
+            }
+            PageAsks::Audio { device } => {
+                let name = device.trim();
+                if name.is_empty() || name.len() > NAME {
+                    return Err(format!("`device` is the name of what plays, of {NAME} bytes at most"));
+                }
+                recorder.outputs().ask(name)?;
+                done("it is opened")
+            }
+            PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
+            PageAsks::Save => done(&self.files.save(recorder)?),
+            PageAsks::Set { values } => {
+                let values = values.clone().ok_or("`values` are names with numbers, or texts with units")?;
+                control(recorder, Request::Set { values })
+            }
+            PageAsks::Arm { on: true } if !self.allow_arm => {
+                Err("forces are not armed from here: use `ca arm`, or start with --allow-arm".into())
+            }
+            PageAsks::Arm { on: true } => control(recorder, Request::Arm { device: None }),
+            PageAsks::Arm { on: false } => control(recorder, Request::Disarm { device: None }),
+            PageAsks::Stop => control(recorder, Request::Stop),
+            PageAsks::Pick { mass } => self.pick(*mass),
+            // answered by the server of the page
+            PageAsks::Sound { .. } => done(""),
+        }
+    }
+
+    /// Number in the drawing and number of the MAT of a request.
+    fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), String> {
+        let drawn = mass.ok_or("`mass` is a number of the drawing")?;
+        let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
+        mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch"))
+    }
+
+    /// Name and kind of a mass.
+    fn pick(&self, mass: Option<u64>) -> Answer {
+        let (drawn, mass) = self.mass(mass)?;
+        let symbol = self.scene.symbols.get(mass).ok_or("no such mass")?;
+        let name = symbol.name.to_string();
+        Ok((name.clone(), Some(Picked { mass: drawn, name, kind: symbol.code.into() })))
+    }
+
+    /// The message `state`.
+    fn state(&self, recorder: &mut Recorder, midi: &Midi, shared: &Shared) -> Message {
+        let (_, tick) = recorder.progress();
+        let stats = self.stats.get();
+        let device = |name: &str, mode: Mode, cause: Cause| DeviceState {
+            name: name.into(),
+            mode: mode.name().into(),
+            cause: cause.name().into(),
+        };
+        let bound = |(channel, number, name): (u8, u8, &str)| Bound { channel, number, name: name.into() };
+        let outputs = recorder.outputs();
+        let outputs = Choices { choices: outputs.choices.clone(), wanted: outputs.wanted.clone(), busy: outputs.busy };
+        Message::State {
+            tick,
+            seconds: tick as f64 / self.scene.rate,
+            load: stats.as_ref().map(|s| s.load),
+            late: shared.missed.load(Relaxed),
+            lost: recorder.lost(),
+            clipped: shared.clipped.load(Relaxed),
+            diverged: shared.diverged.load(Relaxed),
+            playing: recorder.playing(),
+            pointer: recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
+            devices: recorder.devices().map(|(name, mode, cause, _)| device(name, mode, cause)).collect(),
+            params: recorder.controls().params().iter().map(|p| (p.name.clone(), p.value)).collect(),
+            clients: self.pages.count() as u64,
+            learning: midi.learning().map(Into::into),
+            bound: midi.bound().map(bound).collect(),
+            sound: self.sound.clone(),
+            outputs,
+            latency: recorder.heard().map(|h| h.1),
+            underruns: stats.as_ref().map(|s| s.underruns),
+            arms: self.allow_arm,
+            keeps: self.files.can_save(),
+            recording: self.files.recording(),
+        }
+    }
+}
+
+/// One number, or three.
+fn vector(by: Option<&[f64]>) -> Result<[f64; 3], String> {
+    match by {
+        Some([u]) => Ok([*u, 0.0, 0.0]),
+        Some([x, y, z]) => Ok([*x, *y, *z]),
+        _ => Err("`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space".into()),
+    }
+}

@@ -1,0 +1,226 @@
+//! A session without a page, a thread and a file: what it answers, and what it sends.
+
+use ca_core::Scene;
+use ca_core::live::LiveParam;
+use ca_haptic::engine::Setup;
+use ca_haptic::serve::Recorder;
+use ca_haptic::version::Version;
+use ca_session::protocol::{Asked, Message};
+use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts};
+use ca_view::Drawing;
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A mass on a live spring, with a port.
+const MODEL: &str = r#"
+[param]
+k = { value = "500 N/m", unit = "N/m", live = true, min = 100, max = 5000 }
+[MAS]
+bob = { m = "5 g" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["wall", "bob"], k = "k", z = 0.01 }
+[ENF]
+push = { to = "bob" }
+[SOX]
+out = { from = "bob", gain = 200 }
+"#;
+
+fn scene(changes: &[(String, String)]) -> Result<Arc<Scene>, String> {
+    let text = changes.iter().fold(MODEL.to_string(), |text, (name, value)| match name.as_str() {
+        "bob.m" => text.replace("5 g", value),
+        _ => text + "[?]",
+    });
+    let (_, scene) = ca_compile::load(&text, "bob.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
+    scene.map(|c| Arc::new(c.scene)).map_err(|found| format!("{found:?}"))
+}
+
+/// Everything that pages were sent.
+#[derive(Clone, Default)]
+struct FakePages(Rc<RefCell<Sent>>);
+
+#[derive(Default)]
+struct Sent {
+    texts: Vec<Value>,
+    pictures: usize,
+    sound: Vec<u8>,
+}
+
+impl FakePages {
+    fn put(&self, message: &Message) {
+        self.0.borrow_mut().texts.push(serde_json::from_str(&message.text()).unwrap());
+    }
+    /// The last message of this kind.
+    fn last(&self, kind: &str) -> Value {
+        self.0.borrow().texts.iter().rfind(|m| m["type"] == kind).cloned().unwrap_or_default()
+    }
+}
+
+impl Pages for FakePages {
+    fn greet(&self, scene: &Message) {
+        self.put(scene);
+    }
+    fn tell(&self, _: u64, message: &Message) {
+        self.put(message);
+    }
+    fn tell_all(&self, message: &Message) {
+        self.put(message);
+    }
+    fn count(&self) -> usize {
+        1
+    }
+    fn is_heard(&self) -> bool {
+        true
+    }
+    fn view(&self, _: &[u8]) {
+        self.0.borrow_mut().pictures += 1;
+    }
+    fn sound(&self, block: &[u8]) {
+        self.0.borrow_mut().sound.extend_from_slice(&block[16..]);
+    }
+}
+
+struct Numbers;
+
+impl Language for Numbers {
+    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String> {
+        let number = text.strip_suffix(param.unit.symbol).ok_or("another unit")?;
+        number.trim().parse().map_err(|_| "not a number".into())
+    }
+    fn nearest(&self, _: &str, names: &[&str]) -> Option<String> {
+        names.first().map(|n| (*n).into())
+    }
+    fn stability(&self, _: &Scene) -> String {
+        "not judged".into()
+    }
+}
+
+/// Compiles at once.
+#[derive(Default)]
+struct Compiler(Option<Result<Box<Made>, String>>);
+
+impl Maker for Compiler {
+    fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), String> {
+        self.0 = Some(scene(changes).map(|scene| {
+            Box::new(Made {
+                drawing: Arc::new(Drawing::new(&scene)),
+                version: Version::new(scene, anew),
+                warnings: String::new(),
+                softened: false,
+                setups: Vec::new(),
+            })
+        }));
+        Ok(())
+    }
+    fn poll(&mut self) -> Making {
+        self.0.take().map_or(Making::Idle, Making::Done)
+    }
+    fn is_new(&mut self) -> bool {
+        false
+    }
+    fn gone(&mut self) -> Option<String> {
+        None
+    }
+}
+
+struct NoFiles;
+
+impl Files for NoFiles {
+    fn can_save(&self) -> bool {
+        false
+    }
+    fn recording(&self) -> Option<String> {
+        None
+    }
+    fn turn(&mut self, _: &mut Recorder) {}
+    fn record(&mut self, _: bool, _: &Scene) -> Result<String, String> {
+        Err("no files here".into())
+    }
+    fn save(&mut self, _: &mut Recorder) -> Result<String, String> {
+        Err("no files here".into())
+    }
+}
+
+fn instrument() -> (Instrument, FakePages) {
+    let pages = FakePages::default();
+    let parts = Parts {
+        pages: Box::new(pages.clone()),
+        language: Box::new(Numbers),
+        maker: Box::<Compiler>::default(),
+        files: Box::new(NoFiles),
+        name: "bob".into(),
+        allow_arm: false,
+    };
+    (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone())), pages)
+}
+
+/// The answer to a request of page 1.
+fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
+    let mut request = request;
+    request["id"] = json!(9);
+    assert!(!instrument.ask(1, Asked::read(request)));
+    let reply = pages.last("reply");
+    assert_eq!(reply["id"], 9);
+    (reply["ok"] == true, reply["text"].as_str().unwrap().into())
+}
+
+#[test]
+fn a_session_plays_and_answers_without_threads() {
+    let (mut i, pages) = instrument();
+    let greeting = pages.last("scene");
+    assert_eq!((&greeting["generation"], &greeting["params"][0]["name"]), (&json!(1), &json!("k")));
+    let drawn = (0..3).find(|m| ask(&mut i, &pages, json!({"type": "pick", "mass": m})).1 == "bob").unwrap();
+    assert_eq!(pages.last("reply")["kind"], "MAS");
+
+    // a hand pulls the mass, and lets go
+    assert_eq!(ask(&mut i, &pages, json!({"type": "grab", "mass": drawn})), (true, "held".into()));
+    assert_eq!(ask(&mut i, &pages, json!({"type": "drag", "by": [1e-3]})).1, "pulled");
+    i.play(1000);
+    assert_eq!(pages.last("state")["pointer"], drawn);
+    i.left(2);
+    i.left(1);
+    i.play(1000);
+    let state = pages.last("state");
+    assert_eq!((&state["pointer"], &state["diverged"]), (&json!(-1), &json!(false)));
+    assert!(pages.last("energy")["motion"][0].as_f64().unwrap() > 0.0);
+    let sent = pages.0.borrow();
+    assert!(sent.pictures > 10 && sent.sound.chunks(4).any(|s| s != [0; 4]));
+    drop(sent);
+
+    // values, with their units, and what is refused
+    assert_eq!(ask(&mut i, &pages, json!({"type": "set", "values": {"k": "700 N/m"}})), (true, "k = 700".into()));
+    for (request, why) in [
+        (json!({"type": "set", "values": {"kk": 1}}), "did you mean `k`?"),
+        (json!({"type": "set", "values": {"k": 1e9}}), "between"),
+        (json!({"type": "drag", "by": [1]}), "no mass is held"),
+        (json!({"type": "midi", "bytes": [256]}), "`bytes` are up to 96 numbers from 0 to 255"),
+        (json!({"type": "arm", "on": true}), "--allow-arm"),
+        (json!({"type": "save"}), "no files here"),
+        (json!({"type": "fly"}), "`fly` is nothing a page can ask"),
+    ] {
+        let (ok, text) = ask(&mut i, &pages, request);
+        assert!(!ok && text.contains(why), "{text}");
+    }
+    // a controller that nothing follows is bound to a parameter
+    assert!(ask(&mut i, &pages, json!({"type": "learn", "name": "k"})).0);
+    assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xb0, 74, 127]})).0);
+    i.play(1000);
+    assert_eq!(pages.last("state")["params"]["k"], 5000.0);
+    assert!(i.ask(1, Asked::read(json!({"type": "stop"}))));
+}
+
+#[test]
+fn an_edit_plays_on_and_a_wrong_one_takes_no_good_one_along() {
+    let (mut i, pages) = instrument();
+    let change = |name: &str, value: &str| json!({"type": "change", "name": name, "value": value});
+    assert!(ask(&mut i, &pages, change("bob.m", "6 g")).0);
+    assert!(ask(&mut i, &pages, change("bob.x", "1")).0);
+    i.play(2000);
+    let texts = pages.0.borrow().texts.clone();
+    let reports: Vec<&Value> = texts.iter().filter(|m| m["type"] == "report").map(|m| &m["ok"]).collect();
+    assert_eq!(reports, [true, false]);
+    assert_eq!(pages.last("scene")["generation"], 2);
+}
