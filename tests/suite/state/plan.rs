@@ -329,7 +329,7 @@ fn changed(record: &[u8], changes: &[Change]) -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 10_000, ..ProptestConfig::default() })]
 
     #[test]
     fn no_change_of_a_plan_makes_a_tick_fail(which in 0usize..1000, changes in prop::collection::vec(change(), 1..5)) {

@@ -24,12 +24,6 @@ impl Known<'_> {
         self.laws.iter().copied().find(|law| law.code == code)
     }
 
-    /// A law that computes coefficients from the parameters of items of `kind`. The links of a generator have parameters of REF.
-    pub(super) fn law_of(&self, kind: &'static Kind, code: &str) -> Option<&'static Law> {
-        let own = law(kind).unwrap_or(&phi::ref_::LAW);
-        own.family().into_iter().chain([&phi::implicit::LAW]).find(|law| law.code == code)
-    }
-
     pub(super) fn kind(&self, code: &str) -> Option<&'static Kind> {
         self.catalog.get(code)
     }
@@ -57,6 +51,12 @@ impl Known<'_> {
         let named = Unit::NAMED.iter().map(|unit| unit.symbol);
         named.chain(Unit::POWERS).chain([Unit::ANY_POWER]).chain(of_params).find(|known| *known == symbol)
     }
+}
+
+/// A law that computes coefficients from the parameters of items of `kind`. The links of a generator have parameters of REF.
+pub(super) fn law_of(kind: &'static Kind, code: &str) -> Option<&'static Law> {
+    let own = law(kind).unwrap_or(&phi::ref_::LAW);
+    own.family().into_iter().chain([&phi::implicit::LAW]).find(|law| law.code == code)
 }
 
 fn law(kind: &'static Kind) -> Option<&'static Law> {

@@ -3,7 +3,7 @@
 //! Codes become laws, kinds and units of a [`Catalog`]. Each part is verified before memory is taken by its counts.
 
 use super::PlanError;
-use super::known::Known;
+use super::known::{Known, law_of};
 use super::record::{
     AccountRecord, BeforeRecord, GroupRecord, HeardRecord, ItemRecord, LayoutRecord, LedgerRecord, LiveRecord,
     LoadedRecord, LoaderRecord, ModuleRecord, OpRecord, ParamRecord, SceneRecord, SlowRecord, StateRecord,
@@ -247,7 +247,7 @@ fn item(record: ItemRecord, values: &[Arc<[Source]>], known: &Known) -> Result<L
                 Loader::Mat(known.mat(&code).ok_or_else(|| PlanError::Kind(code.into_owned()))?.1, medium)
             }
             LoaderRecord::Lia(code) => {
-                Loader::Lia(known.law_of(kind, &code).ok_or_else(|| PlanError::Law(code.into_owned()))?)
+                Loader::Lia(law_of(kind, &code).ok_or_else(|| PlanError::Law(code.into_owned()))?)
             }
             LoaderRecord::Times(by) => Loader::Times(by),
         };

@@ -24,7 +24,7 @@ pub(super) type List<'a, T> = Cow<'a, [T]>;
 pub(super) type Text<'a> = Cow<'a, str>;
 
 /// A pass; its law is an index into [`SceneRecord::laws`].
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct OpRecord {
     pub pass: Pass,
     pub law: Option<u32>,

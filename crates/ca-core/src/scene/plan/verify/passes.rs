@@ -78,7 +78,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Points | Pass::Aim | Pass::PointsBack => all(l.moving_points.len()),
         Pass::Enf { .. } => within(first, n, l.enf.len()),
         Pass::Weight => all(l.weighed.len()) && numbers(n),
-        Pass::ImplicitPairs => numbers(0),
+        Pass::ImplicitPairs | Pass::Positions => numbers(0),
         Pass::ModesAhead | Pass::ModesAgain => all(l.solved_modal.len()),
         // a state without contacts does not keep the pushes on masses
         Pass::Contacts { modes: true } => l.n_touch > 0 || (l.modal_couplings.is_empty() && l.solved_modal.is_empty()),
@@ -91,7 +91,6 @@ fn other(op: &Op, l: &Layout) -> Verified {
             let of_rows: u64 = l.output_rows.iter().map(|row| u64::from(row.n)).sum();
             all(l.outputs.len()) && numbers(n) && of_rows <= n as u64
         }
-        Pass::Positions => numbers(0),
         Pass::Motions => outputs(n) && numbers(0),
         Pass::HighPass | Pass::HighPassOfMotion => all(l.blockers.len()) && outputs(0) && numbers(n),
         Pass::LowPass | Pass::Remember => all(l.channels),
