@@ -1,7 +1,7 @@
 //! One playing instrument, as a page and a program use it, without operating system, threads and transport.
 //!
 //! [`Session`] answers requests of pages and hands new versions of the model to the recorder; [`PageSink`] sends pictures,
-//! sound and news; [`Midi`] plays MIDI; [`answer`](fn@answer) serves `ca set` and the like. [`Instrument`] is all of
+//! sound and news; [`Midi`] plays MIDI, [`osc`] the packets of OSC; [`answer`](fn@answer) serves `ca set` and the like. [`Instrument`] is all of
 //! them with an engine, for programs without threads. [`protocol`] has a type for each
 //! message between the page of `ca play` and the program.
 //!
@@ -16,6 +16,7 @@ mod greeting;
 mod host;
 mod instrument;
 mod midi;
+pub mod osc;
 mod pages;
 mod picture;
 pub mod protocol;

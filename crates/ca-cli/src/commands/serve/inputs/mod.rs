@@ -92,12 +92,6 @@ impl Inputs {
         }
     }
 
-    /// Plays whole events that came without a cable.
-    fn play(&mut self, recorder: &mut Recorder, bytes: &[u8]) {
-        let now = self.now();
-        self.midi.play(recorder, bytes, now);
-    }
-
     /// Time since the inputs were opened.
     pub(crate) fn now(&self) -> Duration {
         self.begun.elapsed()

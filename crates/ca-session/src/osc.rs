@@ -1,0 +1,174 @@
+//! Open Sound Control: what a packet plays, and its answers. The caller has the socket.
+//!
+//! Time tags count as now, and a bundle sets all its values in one tick. A mistake is answered by `/error`. A packet has at
+//! most [`LARGEST`] bytes, which also bounds how deep bundles nest.
+//!
+//! | message | effect |
+//! |---|---|
+//! | `/param NAME VALUE`, `/param/NAME VALUE` | sets a live parameter, a number \[SI\] or a text with a unit |
+//! | `/port NAME VALUE [SECONDS]` | sends a position port \[m\] or a force port \[N\] |
+//! | `/note KEY VELOCITY [CHANNEL]`, `/control NUMBER VALUE [CHANNEL]` | as MIDI |
+//! | `/gesture 1`, `/gesture 0` | the model's own gesture |
+//! | `/state` | is answered by `/param NAME VALUE MIN MAX` for each, and `/tick N` |
+
+use crate::answer::value;
+use crate::host::Language;
+use crate::midi::Midi;
+use ca_haptic::control::Given;
+use ca_haptic::engine::GLIDE;
+use ca_haptic::serve::Recorder;
+use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
+use std::time::Duration;
+
+/// The largest packet \[bytes\].
+pub const LARGEST: usize = 4096;
+
+/// The parts that a packet plays.
+pub struct Target<'a> {
+    /// takes ports, parameters and gestures
+    pub recorder: &'a mut Recorder,
+    /// takes notes and controllers
+    pub midi: &'a mut Midi,
+    /// reads texts with units
+    pub language: &'a dyn Language,
+    /// the time of the caller's clock
+    pub now: Duration,
+}
+
+/// What the messages of a packet set, and what of them is wrong: address and reason.
+#[derive(Default)]
+struct Outcome {
+    sets: Vec<(String, f64)>,
+    wrong: Vec<(String, String)>,
+    /// a message asks for the state
+    asked: bool,
+}
+
+/// Plays a packet and gives the packets of its answer. `admit` takes the token off an address, or refuses it; of a packet with
+/// a refused address nothing is used.
+pub fn play(packet: &[u8], admit: &dyn Fn(&str) -> Result<String, String>, target: &mut Target<'_>) -> Vec<Vec<u8>> {
+    let decoded = match decoder::decode_udp(packet) {
+        _ if packet.len() > LARGEST => Err(format!("a packet has at most {LARGEST} bytes")),
+        Ok((_, packet)) => Ok(packet),
+        Err(e) => Err(format!("not OSC: {e}")),
+    };
+    let mut done = Outcome::default();
+    match decoded.and_then(|mut packet| strip(&mut packet, admit).map(|()| packet)) {
+        Ok(packet) => {
+            apply(packet, target, &mut done);
+            if !done.sets.is_empty() {
+                done.wrong.extend(target.recorder.set(&done.sets).err().map(|why| ("/param".into(), why)));
+            }
+        }
+        Err(why) => done.wrong.push((String::new(), why)),
+    }
+    let errors = done.wrong.into_iter().map(|w| ("/error", vec![OscType::String(w.0), OscType::String(w.1)]));
+    let mut replies: Vec<_> = errors.collect();
+    if done.asked {
+        replies.extend(state(target.recorder));
+    }
+    let encoded = |(addr, args): (&str, Vec<OscType>)| {
+        encoder::encode(&OscPacket::Message(OscMessage { addr: addr.into(), args })).ok()
+    };
+    replies.into_iter().filter_map(encoded).collect()
+}
+
+/// Takes the token off all addresses.
+fn strip(packet: &mut OscPacket, admit: &dyn Fn(&str) -> Result<String, String>) -> Result<(), String> {
+    match packet {
+        OscPacket::Bundle(bundle) => bundle.content.iter_mut().try_for_each(|p| strip(p, admit)),
+        OscPacket::Message(m) => {
+            m.addr = admit(&m.addr)?;
+            Ok(())
+        }
+    }
+}
+
+fn apply(packet: OscPacket, target: &mut Target<'_>, done: &mut Outcome) {
+    match packet {
+        OscPacket::Bundle(bundle) => bundle.content.into_iter().for_each(|p| apply(p, target, done)),
+        // answered once for a packet
+        OscPacket::Message(m) if m.addr == "/state" => done.asked = true,
+        OscPacket::Message(m) => {
+            let why = message(&m, target, &mut done.sets).err();
+            done.wrong.extend(why.map(|why| (m.addr, why)));
+        }
+    }
+}
+
+fn state(recorder: &Recorder) -> Vec<(&'static str, Vec<OscType>)> {
+    let param = |p: &ca_core::live::LiveParam| {
+        let numbers = [p.value, p.min, p.max].map(OscType::Double);
+        ("/param", [vec![OscType::String(p.name.clone())], numbers.to_vec()].concat())
+    };
+    let tick = ("/tick", vec![OscType::Long(recorder.progress().1 as i64)]);
+    recorder.controls().params().iter().map(param).chain([tick]).collect()
+}
+
+fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)>) -> Result<(), String> {
+    let args = &m.args[..];
+    let Target { recorder, midi: inputs, language, now } = target;
+    if let Some(name) = m.addr.strip_prefix("/param/") {
+        let [v] = args else { return Err("takes one value".into()) };
+        sets.push((name.into(), value(recorder, *language, name, given(v)?)?));
+        return Ok(());
+    }
+    match (m.addr.as_str(), args) {
+        ("/param", [OscType::String(name), v]) => {
+            sets.push((name.clone(), value(recorder, *language, name, given(v)?)?));
+        }
+        ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
+        ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
+        ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
+        ("/port", _) => return Err("takes the name of a port, its value and, if you like, seconds".into()),
+        ("/note", [key, velocity, rest @ ..]) => inputs.play(recorder, &midi(0x90, [key, velocity], rest)?, *now),
+        ("/note", _) => return Err("takes a key, a velocity (0 to let go) and, if you like, a channel".into()),
+        ("/control", [n, v, rest @ ..]) => inputs.play(recorder, &midi(0xb0, [n, v], rest)?, *now),
+        ("/control", _) => return Err("takes a controller, a value and, if you like, a channel".into()),
+        ("/gesture", [v]) => recorder.gesture(truth(v)?)?,
+        ("/gesture", _) => return Err("takes 1 or 0".into()),
+        _ => return Err("there is /param, /port, /note, /control, /gesture and /state".into()),
+    }
+    Ok(())
+}
+
+fn number(v: &OscType) -> Result<f64, String> {
+    match v {
+        OscType::Float(v) => Ok(f64::from(*v)),
+        OscType::Double(v) => Ok(*v),
+        OscType::Int(v) => Ok(f64::from(*v)),
+        OscType::Long(v) => Ok(*v as f64),
+        _ => Err("a value is a number".into()),
+    }
+}
+
+fn given(v: &OscType) -> Result<Given, String> {
+    match v {
+        OscType::String(text) => Ok(Given::Text(text.clone())),
+        v => number(v).map(Given::Number),
+    }
+}
+
+fn truth(v: &OscType) -> Result<bool, String> {
+    match v {
+        OscType::Bool(v) => Ok(*v),
+        v => match number(v)? {
+            n if n.is_nan() => Err("takes 1 or 0".into()),
+            n => Ok(n != 0.0),
+        },
+    }
+}
+
+/// The bytes of an event of a channel, the first where none is given.
+fn midi(status: u8, data: [&OscType; 2], channel: &[OscType]) -> Result<[u8; 3], String> {
+    let byte = |v: &OscType, range: core::ops::RangeInclusive<f64>| {
+        let n = number(v)?.round();
+        if range.contains(&n) { Ok(n as u8) } else { Err(format!("{n} is not {} to {}", range.start(), range.end())) }
+    };
+    let channel = match channel {
+        [] => 1,
+        [c] => byte(c, 1.0..=16.0)?,
+        _ => return Err("takes two values and a channel".into()),
+    };
+    Ok([status | (channel - 1), byte(data[0], 0.0..=127.0)?, byte(data[1], 0.0..=127.0)?])
+}
