@@ -59,6 +59,7 @@ mod _core {
 
     /// Loads the array interface of NumPy. The first array would load it later, where an interrupt (Ctrl-C) is a panic.
     #[pymodule_init]
+    #[allow(clippy::unnecessary_wraps)] // the macro wants a result
     fn load_arrays(module: &Bound<'_, PyModule>) -> PyResult<()> {
         PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())
