@@ -24,7 +24,7 @@ pub fn apart(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), 
     Ok(())
 }
 
-/// Whether two paths lead to one file, which need not be there yet. Devices such as `/dev/null` keep nothing.
+/// True of two paths that lead to one file, which need not be there yet. Devices such as `/dev/null` keep nothing.
 fn same(a: &Path, b: &Path) -> bool {
     match (a.metadata(), b.metadata()) {
         (Ok(a), Ok(b)) => {
@@ -36,7 +36,7 @@ fn same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Where a file that is not there yet would be made.
+/// The path at which a file that is not there yet would be made.
 fn target(path: &Path) -> Option<PathBuf> {
     let mut path = path.to_owned();
     // as many as Linux follows

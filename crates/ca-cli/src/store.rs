@@ -24,7 +24,7 @@ pub fn calibration_file(device: &str) -> PathBuf {
     dir().join("calibration").join(format!("{device}.toml"))
 }
 
-/// The file of a profile that is not one of ours.
+/// The file of a profile that is not shipped.
 pub fn profile_file(word: &str) -> Option<PathBuf> {
     let own = dir().join("profiles").join(format!("{word}.toml"));
     [PathBuf::from(word), own].into_iter().find(|path| path.is_file())

@@ -71,7 +71,7 @@ impl Document {
         })
     }
 
-    /// The keys of the table at a place, in the order of the text; empty where there is no table.
+    /// The keys of the table at a place, in the order of the text; empty without a table.
     pub fn keys(&self, place: &Place) -> Vec<&str> {
         let item = place.keys.iter().try_fold(self.0.as_item(), |at, key| at.get(key.as_str()));
         let table = item.and_then(Item::as_table_like);
@@ -79,7 +79,7 @@ impl Document {
     }
 
     /// Replaces the value at a place, with the blanks and comments around it as they are, or adds it to the table of the place.
-    /// `None` where there is no such table or list.
+    /// `None` without such a table or list.
     pub fn set(&mut self, place: &Place, value: &Value) -> Option<()> {
         let mut new = value.written();
         if let Some(old) = self.value_mut(place) {

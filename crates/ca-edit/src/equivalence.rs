@@ -1,6 +1,6 @@
 //! The section `[equivalence]`: rows, anchor and the scale of a key.
 //!
-//! The rows that are written determine the table by themselves. Where one row is set, the row that holds the anchor is written
+//! The written rows determine the table. If one row is set, the row that holds the anchor is written
 //! beside it, unless the anchor is what it would be without the section.
 
 use crate::{Document, Place, Value};
@@ -16,7 +16,7 @@ pub struct Change<'a> {
     pub rows: &'a [(String, String)],
     /// what stays while one row is set: the name of a row, or `impedance`
     pub anchor: Option<&'a str>,
-    /// a key with a scale of its own
+    /// a key with another scale
     pub key: Option<KeyScale<'a>>,
 }
 
@@ -97,7 +97,7 @@ impl Section<'_> {
     }
 }
 
-/// What a word holds.
+/// The class that a word names.
 fn class(word: &str) -> Result<Class, Refused> {
     let words = || ["impedance"].into_iter().chain(settable().map(|r| r.name));
     Class::of(word).filter(|c| *c != Class::Time).ok_or_else(|| {
@@ -211,7 +211,7 @@ fn written(section: &Section) -> Option<&'static Quantity> {
     settable().find(|r| section.has(r.name))
 }
 
-/// Rows that may stand beside those of a class.
+/// Rows that may stand beside the rows of a class.
 fn beside(class: Class) -> String {
     ticked(settable().filter(|r| r.class() != class).map(|r| r.name))
 }

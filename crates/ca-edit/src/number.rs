@@ -32,14 +32,14 @@ pub fn read(text: &Document, place: &Place) -> Option<Number> {
 
 /// Writes a number at a place, or beside its fellows where it was not written: `value` in SI, with `digits` digits, in the unit
 /// that stands there, else in `unit` (symbol in SI; empty for a number without). The result is what was written, without quotes;
-/// `None` where the text has no such place.
+/// `None` if the text lacks this place.
 pub fn write(text: &mut Document, place: &Place, value: f64, unit: &str, digits: usize) -> Option<String> {
     let old = text.value(place);
     let rounded = quantity::rounded(value, digits);
     let bare = matches!(old, Some(Value::Number(_)));
     let theirs = match &old {
         Some(Value::Text(t)) if quantity::note(t).is_some() => {
-            // a note may be that of a MIDI key too
+            // a note may also name a MIDI key
             if let Some(note) = quantity::note_of(rounded) {
                 text.set(place, &Value::Text(note.clone()))?;
                 return Some(note);
@@ -71,7 +71,7 @@ fn beside(text: &Document, place: &Place) -> Option<String> {
     }
 }
 
-/// How much a unit is in SI.
+/// The size of a unit in SI.
 fn size(unit: &str) -> Option<f64> {
     quantity::parse(&format!("1 {unit}")).ok().map(|q| q.value)
 }

@@ -1,9 +1,9 @@
-//! Where a value stands in the text of a model.
+//! Places of values in the text of a model.
 
 use ca_model::{Model, Value};
 use core::fmt;
 
-/// Where a value stands in the text of a model.
+/// A place of a value in the text of a model.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// keys from the root of the file to the value
@@ -39,7 +39,7 @@ impl Place {
         Place { keys, index: None }
     }
 
-    /// Where the number `name` of a model stands: a parameter, of the model or `instance.parameter`, or `module.key`.
+    /// The place of the number `name` of a model: a parameter, of the model or `instance.parameter`, or `module.key`.
     ///
     /// # Errors
     /// The number is not one number of the text: several instances share it.

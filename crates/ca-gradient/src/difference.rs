@@ -47,7 +47,7 @@ pub struct Start {
 }
 
 impl Start {
-    /// What there is of a scene; its numbers are 0 afterwards.
+    /// The structure of a scene; its numbers are 0 afterwards.
     pub fn of(scene: &mut Scene) -> Start {
         let mut numbers = Vec::new();
         scene.numbers(&mut |v| numbers.push(*v));

@@ -1,6 +1,6 @@
 //! Energy: the accounts of energy of a scene, with their derivatives, at some instants.
 //!
-//! Decides for the ledger of the tick itself over dual numbers ([`ca_core::state::Ledger`], whose accounts carry derivatives in
+//! This is the ledger of the tick itself over dual numbers ([`ca_core::state::Ledger`], whose accounts carry derivatives in
 //! that build): what a law stores and loses is written once, for the ledger of a render and for this. The identity of the ledger
 //! holds for each derivative as for the accounts, `h = h0 + work − lost + scheme_error + changed + residual`, with a residual
 //! that is rounding. A type beside [`Forward`], not a call of it: the scene is another one, whose passes keep the ledger, so that

@@ -50,7 +50,7 @@ impl Parameter {
     }
 }
 
-/// What is written at a name.
+/// The value that is written at a name.
 fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
     if let Some(e) = model.params.iter().find(|e| e.key == name) {
         return Some(e);

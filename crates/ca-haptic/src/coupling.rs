@@ -15,7 +15,7 @@
 //! no force.
 //!
 //! A device that is slower than the engine gets the mean force of a coupled key over each of its frames, one of them later
-//! ([`crate::engine::Port`]). What a softened key is given counts that frame too.
+//! ([`crate::engine::Port`]). The stiffness of a softened key counts that frame too.
 //!
 //! Friction that sticks joins a key to a body without any give, and a damper near the friction of the device makes as much energy
 //! as a stiff spring. Both count as a spring far stiffer than the device holds.
@@ -329,7 +329,7 @@ impl Met {
 }
 
 impl Met {
-    /// These setups, of which devices with a key for which no coupling fits give no force.
+    /// These setups; a device gives no force if no coupling fits one of its keys.
     pub fn setups(&self, setups: &[Setup]) -> Vec<Setup> {
         let mut setups = setups.to_vec();
         for s in &mut setups {

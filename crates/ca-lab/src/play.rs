@@ -217,7 +217,7 @@ pub fn made(b: &Balance) -> Option<f64> {
     (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }
 
-/// Message of a scene whose scheme made more energy than it received; `None` of others.
+/// A message if the scheme made more energy than it received.
 pub fn gained(b: &Balance) -> Option<String> {
     let made = made(b)?;
     let mend = "use `method = \"stable\"` for its contacts, or raise the sound rate";

@@ -9,7 +9,7 @@ use crate::client::Client;
 use crate::http::{self, Head, Place};
 use crate::pending::Pending;
 use ca_session::Pages;
-use ca_session::protocol::{Asked, Message, Request};
+use ca_session::protocol::{Message, NumberedRequest, Request};
 use serde_json::Value;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering::Relaxed};
@@ -33,7 +33,7 @@ pub struct PageRequest {
     /// the client
     pub client: u64,
     /// what it asks; `None`: it is gone
-    pub request: Option<Asked>,
+    pub request: Option<NumberedRequest>,
 }
 
 /// What all threads look at.
@@ -231,7 +231,7 @@ impl Hub {
             Ok(_) => return reply(None, false, "a request is an object"),
             Err(e) => return reply(None, false, &format!("no JSON: {e}")),
         };
-        let asked = Asked::read(object);
+        let asked = NumberedRequest::read(object);
         let id = asked.id.clone();
         if let Ok(Request::Sound { on }) = asked.request {
             client.hears.store(on, Relaxed);

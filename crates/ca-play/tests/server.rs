@@ -5,7 +5,7 @@ mod skipped;
 
 use ca_play::Page;
 use ca_session::Pages as _;
-use ca_session::protocol::{self, Asked, Request, binary};
+use ca_session::protocol::{self, NumberedRequest, Request, binary};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::io::{Read as _, Write as _};
@@ -101,7 +101,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
         asked.extend(page.asked());
         !asked.is_empty()
     });
-    let grab = Asked { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
+    let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
     assert_eq!(asked[0].request, Some(grab));
     let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
     page.feed().tell(asked[0].client, &reply);

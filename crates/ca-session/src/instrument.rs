@@ -7,7 +7,7 @@ use crate::greeting::greeting;
 use crate::midi::Midi;
 use crate::pages::Pages;
 use crate::picture::PageSink;
-use crate::protocol::Asked;
+use crate::protocol::NumberedRequest;
 use crate::session::{Parts, Session};
 use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options};
@@ -76,7 +76,7 @@ impl Instrument {
     }
 
     /// Answers a request of a page. True if it ends the program.
-    pub fn ask(&mut self, page: u64, asked: Asked) -> bool {
+    pub fn ask(&mut self, page: u64, asked: NumberedRequest) -> bool {
         let now = self.now();
         self.session.ask(&mut self.recorder, &mut self.midi, (page, asked), now)
     }

@@ -35,7 +35,7 @@ pub struct Target<'a> {
     pub now: Duration,
 }
 
-/// What the messages of a packet set, and what of them is wrong: address and reason.
+/// The settings of a packet, and its wrong messages with their address and reason.
 #[derive(Default)]
 struct Outcome {
     sets: Vec<(String, f64)>,

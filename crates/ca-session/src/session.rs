@@ -10,7 +10,7 @@ use crate::host::{Files, Language, Made, Maker};
 use crate::midi::Midi;
 use crate::pages::Pages;
 use crate::picture::{Coming, PageSink, Stats};
-use crate::protocol::{Asked, Bound, Choices, DeviceState, Message, Picked, Request as PageAsks};
+use crate::protocol::{Bound, Choices, DeviceState, Message, NumberedRequest, Picked, Request as PageAsks};
 use ca_core::Scene;
 use ca_haptic::control::Request;
 use ca_haptic::engine::{GLIDE, Setup};
@@ -136,11 +136,11 @@ impl Session {
         &mut self,
         recorder: &mut Recorder,
         midi: &mut Midi,
-        (client, asked): (u64, Asked),
+        (client, asked): (u64, NumberedRequest),
         now: Duration,
     ) -> bool {
         let mut leave = false;
-        let Asked { id, request } = asked;
+        let NumberedRequest { id, request } = asked;
         let answer = request.and_then(|r| self.answer(recorder, midi, (client, &r), now, &mut leave));
         let (ok, text, picked) = match answer {
             Ok((text, picked)) => (true, text, picked),

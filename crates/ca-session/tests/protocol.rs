@@ -5,7 +5,7 @@ mod skipped;
 
 use ca_haptic::control::Given;
 use ca_session::protocol::{
-    Asked, Bound, Choices, DeviceState, Message, Param, Picked, PortInfo, PortRole, Request, jsdoc, page,
+    Bound, Choices, DeviceState, Message, NumberedRequest, Param, Picked, PortInfo, PortRole, Request, jsdoc, page,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -163,12 +163,12 @@ fn requests_are_read_as_ever() {
         (r#"{"type":"set","values":{"k":null}}"#, Request::Set { values: None }),
         (r#"{"type":"stop"}"#, Request::Stop),
     ] {
-        let asked = Asked::read(serde_json::from_str(text).unwrap());
+        let asked = NumberedRequest::read(serde_json::from_str(text).unwrap());
         assert_eq!(asked.request, Ok(want), "{text}");
     }
-    let fly = Asked::read(json!({"type": "fly", "id": null}));
-    assert_eq!(fly, Asked { id: Some(Value::Null), request: Err("`fly` is nothing a page can ask".into()) });
-    assert_eq!(Asked::read(json!({"type": 7})).request, Err("`` is nothing a page can ask".into()));
+    let fly = NumberedRequest::read(json!({"type": "fly", "id": null}));
+    assert_eq!(fly, NumberedRequest { id: Some(Value::Null), request: Err("`fly` is nothing a page can ask".into()) });
+    assert_eq!(NumberedRequest::read(json!({"type": 7})).request, Err("`` is nothing a page can ask".into()));
 }
 
 proptest! {
@@ -187,7 +187,7 @@ proptest! {
             Request::Save,
         ] {
             let sent = serde_json::to_value(&request).unwrap();
-            prop_assert_eq!(Asked::read(sent), Asked { id: None, request: Ok(request) });
+            prop_assert_eq!(NumberedRequest::read(sent), NumberedRequest { id: None, request: Ok(request) });
         }
     }
 }

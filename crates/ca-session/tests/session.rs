@@ -5,7 +5,7 @@ use ca_core::live::LiveParam;
 use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
-use ca_session::protocol::{Asked, Message};
+use ca_session::protocol::{Message, NumberedRequest};
 use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts};
 use ca_view::Drawing;
 use serde_json::{Value, json};
@@ -161,7 +161,7 @@ fn instrument() -> (Instrument, FakePages) {
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
     let mut request = request;
     request["id"] = json!(9);
-    assert!(!instrument.ask(1, Asked::read(request)));
+    assert!(!instrument.ask(1, NumberedRequest::read(request)));
     let reply = pages.last("reply");
     assert_eq!(reply["id"], 9);
     (reply["ok"] == true, reply["text"].as_str().unwrap().into())
@@ -209,7 +209,7 @@ fn a_session_plays_and_answers_without_threads() {
     assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xb0, 74, 127]})).0);
     i.play(1000);
     assert_eq!(pages.last("state")["params"]["k"], 5000.0);
-    assert!(i.ask(1, Asked::read(json!({"type": "stop"}))));
+    assert!(i.ask(1, NumberedRequest::read(json!({"type": "stop"}))));
 }
 
 #[test]

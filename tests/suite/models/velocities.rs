@@ -21,21 +21,21 @@ const DAMPERS: [(&str, u8); 2] = [("gong", 50), ("tam_tam", 50)];
 const THUDS: [&str; 4] = ["hammer_piano", "piano24", "piano_key", "piano_wire"];
 const THUD_BELOW: f64 = 2.0;
 
-/// What is thrown up falls later, and is heard then.
+/// A body that is thrown up falls later, and is heard then.
 const LATER: &str = "tossed_grains";
 
 /// When a note begins, once what lies loose has come to rest, and for how long what is held sounds [s].
 const BEGINS: f64 = 1.0;
 const HELD: f64 = 2.0;
-/// How long notes are, and for how long is listened after their end [s]. A mallet that leaves what it lies on is heard after long
+/// Lengths of notes, and the time of listening after their end [s]. A mallet that leaves what it lies on is heard after long
 /// notes, when the note itself is soft.
 const LENGTHS: [f64; 3] = [0.1, 0.5, 2.0];
 const AFTER: f64 = 0.3;
 /// Notes end at these velocities: the softest note hides least, the loudest moves most.
 const ENDING: [u8; 2] = [1, 127];
-/// Levels after the end are those of parts so long [s].
+/// Levels after the end are taken over parts of this length [s].
 const PART: f64 = 0.05;
-/// How long a palm is listened to [s].
+/// The time of listening to a palm [s].
 const LISTENS: f64 = 2.2;
 
 /// A track of these events (second, status, key, velocity), in ticks of a millisecond.

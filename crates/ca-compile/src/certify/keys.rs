@@ -11,7 +11,7 @@ use ca_core::kind::PortRole;
 use ca_core::law::Bound;
 use ca_core::scene::certificate::Key;
 
-/// What the links of one item give a key.
+/// Stiffness and viscosity that the links of one item give a key.
 struct Held {
     item: u32,
     k: f64,

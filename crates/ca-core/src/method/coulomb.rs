@@ -32,7 +32,7 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     }
 }
 
-/// Its functions, from those of the curve.
+/// Its functions, made of the functions of the curve.
 pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
         // what stands still at load sticks

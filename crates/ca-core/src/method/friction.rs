@@ -60,7 +60,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     }
 }
 
-/// Its functions, from those of the curve.
+/// Its functions, made of the functions of the curve.
 pub const fn alone_fns<R: Real, P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     curve: LawFns<R>,
 ) -> LawFns<R> {
@@ -86,7 +86,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     }
 }
 
-/// Its functions, from those of the curve.
+/// Its functions, made of the functions of the curve.
 pub const fn together_fns<R: Real, P: Curve<C> + 'static, const C: usize>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(real(0.0)),

@@ -28,7 +28,7 @@ pub const fn law<S: Spring<f64>>(spring: Law, other: &'static Law) -> Law {
     Law { mem: 1, stage: SolveStage::Single(other), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
-/// Its functions, from those of the spring.
+/// Its functions, made of the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(real(0.0)),

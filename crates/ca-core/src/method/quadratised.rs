@@ -55,7 +55,7 @@ pub const fn law<S: Spring<f64>>(spring: Law) -> Law {
     Law { mem: 2, stage: SolveStage::Coupled, fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
-/// Its functions, from those of the spring.
+/// Its functions, made of the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |c, [e, _], mem| {

@@ -67,7 +67,7 @@ pub trait Real:
     /// Far above what is denormal and slow, far below what is heard.
     const TINY: Self;
 
-    /// A number computed at load, rounded to that of the tick.
+    /// A number computed at load, rounded to the number of the tick.
     fn of(v: f64) -> Self;
     /// The value as `f64`.
     fn wide(self) -> f64;
@@ -114,7 +114,7 @@ pub trait Stored:
 impl Stored for f64 {}
 
 /// Both precisions; roots of `std` are an instruction among its neighbours, in as many lanes as these have. That of `libm` is one
-/// of SSE by itself, in no lanes, and stalls between those of AVX. Both are correctly rounded.
+/// of SSE by itself, in no lanes, and stalls between instructions of AVX. Both are correctly rounded.
 macro_rules! plain {
     ($($number:ident $precision:ident $tiny:literal $sqrt:ident;)*) => {
         $(
@@ -181,7 +181,7 @@ plain! {
 /// The largest number, which stands for none where a place is meant.
 pub const NONE: f64 = f64::MAX;
 
-/// A number computed at load, rounded to that of the tick.
+/// A number computed at load, rounded to the number of the tick.
 #[inline(always)]
 pub fn real<R: Real>(v: f64) -> R {
     R::of(v)

@@ -2,7 +2,7 @@
 //!
 //! A compiled layout is a flat list of records, each with a plain function that was chosen once, at load
 //! (the law, the form, with or without offsets and taps). [`Pass`] and the law say which function that is, so that a scene can be
-//! bound to another number. The kernels of links are those of their law, which may be of another crate (LPR).
+//! bound to another number. The law of links has their kernels, also a law of another crate (LPR).
 
 use crate::law::{Bound, Force, Idle, Start, Steepest};
 use crate::numeric::{Real, Table};
@@ -99,7 +99,7 @@ pub struct Form {
     pub band: Band,
 }
 
-/// What a pass does.
+/// The work of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pass {
@@ -183,11 +183,11 @@ pub enum Pass {
     HighPassOfMotion,
     /// the low pass of the channels
     LowPass,
-    /// its past, at a tick that is no sample
+    /// its past, at a tick between two samples
     Remember,
     /// integrates masses that only have inertia
     IntegrateFree,
-    /// integrates masses with springs and dampers of their own
+    /// integrates masses that have a spring and a damper to the ground
     IntegrateFull,
     /// waves that leave
     WavesOut,
@@ -211,7 +211,7 @@ pub enum Pass {
 }
 
 impl Pass {
-    /// Its name in the schedule; of links that of their law.
+    /// Its name in the schedule; for links, the name of their law.
     pub fn name(self) -> &'static str {
         match self {
             Pass::Links => "links",
@@ -292,7 +292,7 @@ pub struct Op<R: Real = f64> {
 }
 
 impl<R: Real> Op<R> {
-    /// A pass without links, whose `kernel` is that of `pass`.
+    /// A pass without links, which has the `kernel` of `pass`.
     pub fn new(pass: Pass, kernel: Kernel<R>, n: usize) -> Op<R> {
         let (form, ports, name) = (Form::default(), Ports::default(), pass.name());
         Op { kernel, pass, name, law: None, fns: None, form, ports, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
@@ -367,7 +367,7 @@ pub struct Laws<R: Real> {
 }
 
 impl<R: Real> Laws<R> {
-    /// Adds those of other laws.
+    /// Adds the functions of other laws.
     #[must_use]
     pub fn with(mut self, laws: impl IntoIterator<Item = LawEntry<R>>) -> Laws<R> {
         self.all.extend(laws);

@@ -130,7 +130,7 @@ pub struct Scene<R: Real = f64> {
     pub before: Option<Before<R>>,
 }
 
-/// What the state at load is made of.
+/// The parts of which the state at load is made.
 #[derive(Clone)]
 pub struct Before<R: Real = f64> {
     /// the rules of the start

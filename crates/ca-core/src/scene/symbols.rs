@@ -6,7 +6,7 @@
 use crate::kind::name::Name;
 use alloc::vec::Vec;
 
-/// Code of a mode, which stands in place of masses and has no kind.
+/// Code of a mode. It stands in place of masses, and lacks a kind.
 pub const MODE: &str = "mode";
 
 /// Name, kind and place of a module that was compiled.

@@ -163,7 +163,7 @@ fn a_cheaper_law_is_the_same_law() {
 }
 
 /// Each law, and each that takes its place by a choice, a missing table or a shared mass, has functions that a scene is bound to,
-/// and their force is that of the law.
+/// and their force equals the force of the law.
 #[test]
 fn functions_of_every_law_are_found_by_its_code() {
     let laws = ca_core::phi::laws::<f64>();

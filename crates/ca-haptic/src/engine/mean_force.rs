@@ -1,14 +1,14 @@
 //! Mean force of a coupled key from one frame to the next of a device that is slower than the engine.
 //!
 //! The position of such a device moves in one frame of the engine and rests in the others. The damper of a coupling gives all its
-//! force in the first of them. The device would take one of these forces, and which one depends on the phase of two clocks, so
+//! force in the first of them. The device would take one of these forces, and the choice depends on the phase of two clocks, so
 //! that a key in free air could push the hand. The mean over a whole frame of the device is the change of momentum behind the
 //! coupling, whatever the phase is. It comes a frame of the device later, which [`crate::coupling::Held`] counts.
 
 use crate::frame::DOF;
 use crate::profile::Profile;
 
-/// True of a device whose frames are longer than those of the engine, of `frame_dt` seconds.
+/// True of a device whose frames are longer than a frame of the engine, `frame_dt` seconds.
 pub(crate) fn is_slower(profile: &Profile, frame_dt: f64) -> bool {
     profile.rate * frame_dt < 1.0 - 1e-9
 }

@@ -185,7 +185,7 @@ fn a_softened_key_in_free_air_does_not_push() {
             let (mut at, mut held, mut most, mut work) = (10e-3, 0.0, 0.0_f64, 0.0);
             let mut last = ForceFrame::new("key", 1);
             for turn in 0_u32..13_000 {
-                // the device moves once a period of its own, and takes the force that is there as it sends
+                // the device moves once in its period, and takes the last force as it sends
                 let sent = due + jitter * (rng.even() - 0.5);
                 due += 1e-3 * (1.0 + drift);
                 while frame as f64 * FRAME_DT < sent {

@@ -1,6 +1,6 @@
 //! Tune: parts of a model brought to a pitch.
 //!
-//! The pitch of a part is that of the modes of the whole model, and not of a formula: what hangs on a string pulls its pitch,
+//! The pitch of a part comes from the modes of the whole model, and not from a formula: a body on a string pulls its pitch,
 //! and it is heard through the scheme. A generator that knows `f` is right at once. The rest is found by the secant
 //! of two logarithms, since a frequency is a power of a stiffness. Each step reads the changed text.
 
@@ -16,7 +16,7 @@ use ca_model::{Model, Value};
 
 /// A pitch is met where it is nearer than this \[cents\].
 const MET: f64 = 1e-6;
-/// What is further away was not tuned \[cents\].
+/// A pitch that is further away was not tuned \[cents\].
 const NEAR: f64 = 0.01;
 /// Digits of a number that is written: what [`MET`] needs.
 const DIGITS: usize = 11;
@@ -27,7 +27,7 @@ const STEPS: usize = 16;
 
 /// A part, and the pitch it shall have.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct PitchTarget {
     /// the module
     pub part: String,
     /// of a bank, the cell
@@ -66,7 +66,7 @@ pub struct Tuned {
 }
 
 impl Tuned {
-    /// How far it is from what was asked for \[cents\].
+    /// Its distance from the pitch that was asked for \[cents\].
     pub fn off(&self) -> f64 {
         1200.0 * (self.heard / self.wanted).log2()
     }
@@ -76,14 +76,14 @@ impl Tuned {
 /// text, with the parts as they became.
 ///
 /// # Errors
-/// A part that is not in the model or has no number of its own ([`Failure::Usage`]); a pitch that is not reached, or a text that cannot be edited
+/// A part that is not in the model, or shares its number with others ([`Failure::Usage`]); a pitch that is not reached, or a text that cannot be edited
 /// ([`Failure::Failed`]); a model with errors ([`Failure::Found`]).
-pub fn tune(loaded: &mut Loaded, wishes: &[Wish], mode: u32) -> Result<(String, Vec<Tuned>), Failure> {
+pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(String, Vec<Tuned>), Failure> {
     let mut text =
         Document::read(&loaded.model.text).map_err(|e| Failure::Failed(format!("`{}`: {e}", loaded.model.file)))?;
     let mut variables = Vec::new();
-    for wish in wishes {
-        variables.push((variable(&loaded.model, &wish.part, wish.cell)?, wish.hz));
+    for target in targets {
+        variables.push((variable(&loaded.model, &target.part, target.cell)?, target.hz));
     }
     let mut done: Vec<Tuned> = Vec::new();
     for (variable, wanted) in &variables {
@@ -227,13 +227,13 @@ fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<
     Ok(m.heard)
 }
 
-/// Whether a place belongs to a part.
+/// True of a place that belongs to a part.
 fn is_of(place: &str, name: &str, variable: &Variable) -> bool {
     let rest = place.strip_prefix(name);
     rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (variable.cell.is_none() && r.starts_with('[')))
 }
 
-/// How much of a mode's kinetic energy is in these places.
+/// The share of a mode's kinetic energy in these places.
 fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
     let tick_dt = network.tick_dt;
     places.iter().map(|i| m.shape[*i] * m.shape[*i] * tick_dt * tick_dt / network.linear.dofs[*i].c).sum()

@@ -15,7 +15,7 @@ mod request;
 pub use define::{Fields, Kind};
 pub use message::{Bound, Choices, DeviceState, Message, Param, Picked, PortInfo, PortRole};
 pub use pages::{jsdoc, page};
-pub use request::{Asked, Request};
+pub use request::{NumberedRequest, Request};
 
 /// Version of the messages. It grows by one with each change that an older page or program would misunderstand.
 pub const VERSION: u32 = 1;

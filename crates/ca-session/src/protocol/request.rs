@@ -95,20 +95,20 @@ messages! {
 
 /// A request as it came: with the number under which the page waits for its answer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct NumberedRequest {
     /// `id` of the object, where it has one
     pub id: Option<Value>,
     /// the request, or why there is none
     pub request: Result<Request, String>,
 }
 
-impl Asked {
+impl NumberedRequest {
     /// Reads an object that came from a page.
-    pub fn read(object: Value) -> Asked {
+    pub fn read(object: Value) -> NumberedRequest {
         let id = object.get("id").cloned();
         let kind = object["type"].as_str().unwrap_or_default().to_owned();
         let request = serde_json::from_value(object).map_err(|_| format!("`{kind}` is nothing a page can ask"));
-        Asked { id, request }
+        NumberedRequest { id, request }
     }
 }
 

@@ -113,7 +113,7 @@ impl<'a> DeviceDemands<'a> {
         ]
     }
 
-    /// What holds a key more firmly than springs do, beyond what the device can render.
+    /// The hold on a key that is firmer than springs, beyond the reach of the device.
     fn firmly(&self, r: &LimitRow) -> Option<String> {
         let (z, b) = (r.presented.viscosity, self.profile.body.friction);
         if !self.feedback || !r.presented.is_rigid(b) {

@@ -39,7 +39,7 @@ pub(super) fn text(model: &Model, found: &Fit) -> Result<String, Failure> {
     Ok(text.to_string())
 }
 
-/// Where a number stands.
+/// The place of a number.
 pub(super) fn place(model: &Model, name: &str) -> Result<Place, Failure> {
     Place::of(model, name).map_err(|e| Failure::Usage(e.to_string()))
 }

@@ -24,7 +24,7 @@ use std::time::Duration;
 /// Delay of claims by a server without the control, so that the server with the control is first.
 const SECOND: Duration = Duration::from_millis(300);
 
-/// Open lines; none for a scene that needs none and has no page, since a page is ended and set by the control too.
+/// Open lines. A scene without devices, live parameters and page needs none; the control also ends and sets a page.
 pub(super) struct Talk {
     names: Vec<String>,
     setups: Vec<Setup>,

@@ -8,7 +8,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
 use ca_core::scene::certificate::Level;
-use ca_lab::tune::{Tuned, Wish, tune};
+use ca_lab::tune::{PitchTarget, Tuned, tune};
 use ca_model::{Model, Value, quantity};
 use pitch::pitch;
 use serde_json::{Value as Json, json};
@@ -22,8 +22,8 @@ pub fn run(args: &TuneArgs) -> Outcome {
         return Err(Failure::Usage("a MIMS file cannot be tuned; `ca import` makes a model file of it".into()));
     }
     load::scene(&loaded, &Options::default())?;
-    let wishes = wishes(args, &loaded.model)?;
-    let (text, done) = tune(&mut loaded, &wishes, args.mode)?;
+    let targets = targets(args, &loaded.model)?;
+    let (text, done) = tune(&mut loaded, &targets, args.mode)?;
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
         term::findings(&scene.findings, &loaded.model);
@@ -44,14 +44,14 @@ pub fn run(args: &TuneArgs) -> Outcome {
 }
 
 /// Parts, the cells of banks one by one, and the pitches they shall have.
-fn wishes(args: &TuneArgs, model: &Model) -> Result<Vec<Wish>, Failure> {
+fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> {
     let usage = Failure::Usage;
     let Some((scale, root)) = args.scale.zip(args.root.as_deref()) else {
-        let wish = |text: &String| {
+        let target = |text: &String| {
             let (part, to) = text.split_once('=').ok_or_else(|| format!("`{text}`: write it like `low=A2`"))?;
-            Ok(Wish { part: part.trim().to_owned(), cell: None, hz: pitch(to, args.a4)? })
+            Ok(PitchTarget { part: part.trim().to_owned(), cell: None, hz: pitch(to, args.a4)? })
         };
-        return args.parts.iter().map(wish).collect::<Result<_, String>>().map_err(usage);
+        return args.parts.iter().map(target).collect::<Result<_, String>>().map_err(usage);
     };
     let root = pitch(root, args.a4).map_err(usage)?;
     let mut all = Vec::new();
@@ -62,9 +62,9 @@ fn wishes(args: &TuneArgs, model: &Model) -> Result<Vec<Wish>, Failure> {
         let cells = model.items.iter().find(|i| i.name == *part).and_then(|i| i.args.iter().find(|e| e.key == "f"));
         match cells.map(|e| &e.value) {
             Some(Value::List(list)) => {
-                all.extend((0..list.len()).map(|k| Wish { part: part.clone(), cell: Some(k), hz: 0.0 }))
+                all.extend((0..list.len()).map(|k| PitchTarget { part: part.clone(), cell: Some(k), hz: 0.0 }))
             }
-            _ => all.push(Wish { part: part.clone(), cell: None, hz: 0.0 }),
+            _ => all.push(PitchTarget { part: part.clone(), cell: None, hz: 0.0 }),
         }
     }
     all.iter_mut().enumerate().for_each(|(n, w)| w.hz = root * scale.degree(n));

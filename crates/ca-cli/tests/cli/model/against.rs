@@ -105,7 +105,7 @@ fn degrees_of_freedom_end_at_their_number() {
     assert!(said.contains("beyond the 3 it has"), "{said}");
 }
 
-/// A key that is held by a power law alone has no link to name in front of what it does.
+/// A power law alone holds this key, so that the line names no link.
 #[test]
 fn a_law_that_stiffens_begins_a_line_by_itself() {
     let desk = Desk::new();

@@ -116,7 +116,7 @@ fn a_link_that_makes_most_of_the_energy_is_named() {
     }
 }
 
-/// A pluck that is unstable while it holds makes hundreds of joules from millijoules, part of which its viscosity takes again.
+/// A pluck that is unstable while it holds makes hundreds of joules from millijoules. Its viscosity takes a part of them again.
 #[test]
 fn energy_that_viscosity_takes_again_is_not_received() {
     let desk = Desk::new();

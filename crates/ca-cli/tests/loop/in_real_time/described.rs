@@ -93,7 +93,6 @@ fn stage() -> Stage {
     let unknown = include_str!("../../../../ca-haptic/profiles/unknown.toml");
     let patient = format!("{unknown}\n[guard]\nclear_time = 0.025\nramp = 0.1\nhold = 0.05\nzero = 0.09\nttl = 0.06\n");
     stage.put("c/profiles/unknown.toml", &patient).put("finger.ca.toml", FINGER);
-    stage.put("c/profiles/one.toml", &patient);
     stage
 }
 
@@ -183,6 +182,8 @@ fn a_device_plays_the_keys_it_has() {
     let ran = server.stop();
     ran.says(&["finger: it says: ", "the model has keys for 2, of which MIDI and gestures play the others"]);
     drop(finger);
+    let one = "name = \"one\"\ntitle = \"a key\"\nsource = \"none\"\ndof = 1\naxes = 1\nrange = [-0.05, 0.05]\nforce = 2\nrate = 1000\n";
+    stage.put("c/profiles/one.toml", one);
     let server = stage.serve("keys.ca.toml", &["--profile", "finger=one", "--seconds", "1"]);
     server
         .end()

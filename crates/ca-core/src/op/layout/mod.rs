@@ -151,7 +151,7 @@ pub struct Crossing {
     pub feedback: bool,
 }
 
-/// How device ports cross the border: by their [`Shape`], or tick by tick where a frame has one.
+/// The way of device ports across the border: by their [`Shape`], or tick by tick where a frame has one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Way {
@@ -325,7 +325,7 @@ pub struct Layout<R: Real = f64> {
 }
 
 impl<R: Real> Layout<R> {
-    /// How device ports cross the border.
+    /// The way of device ports across the border.
     pub fn way(&self) -> Way {
         match (self.frame, self.crossing.shape) {
             (1, _) => Way::Synchronous,

@@ -91,7 +91,7 @@ impl Cables {
     }
 }
 
-/// Whether a plain file begins as a Standard MIDI File does. Others are not opened, since a pipe would wait for its writer.
+/// True of a plain file that begins as a Standard MIDI File does. Others are not opened, since a pipe would wait for its writer.
 fn is_standard_file(path: &Path) -> bool {
     let mut head = [0; 4];
     path.is_file() && File::open(path).is_ok_and(|mut f| f.read_exact(&mut head).is_ok()) && head == *b"MThd"
