@@ -71,8 +71,9 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
             broken += read_track(found, EventIter::new(body), &mut raw)?;
         }
     }
-    if found == 0 {
-        return Err(cut(format!("{announced} tracks are announced, none is there")));
+    // whole tracks may be missing, a part of one may not
+    if found == 0 || found < announced && !rest.is_empty() {
+        return Err(cut(format!("{announced} tracks are announced, {found} are there")));
     }
     let mut remarks = Vec::new();
     if found < announced {

@@ -215,7 +215,14 @@ mod tests {
             channels(&file)
         };
         let lasts = [u32::MAX, u32::MAX - 1, 0x8000_0000, 0x7fff_ffff].map(|data| (u32::MAX, data));
-        let others = [(0, 0), (u32::MAX, 0), (0x7fff_f024, 0x7fff_f000), (42, u32::MAX)];
+        let others = [
+            (0, 0),
+            (u32::MAX, 0),
+            (0x7fff_f024, 0x7fff_f000),
+            (42, u32::MAX),
+            (u32::MAX, u32::MAX - 36),
+            (0x7fff_ffff, 0x7fff_ffdb),
+        ];
         for (whole, data) in lasts.into_iter().chain(others) {
             assert_eq!(sized(whole, data).as_ref(), Ok(&plain), "{whole:#x} {data:#x}");
         }
@@ -262,7 +269,7 @@ mod tests {
         assert!(read(&dead).unwrap_err().to_string().contains("0 Hz"));
         // a header that promises 4 GB makes no such vector
         let mut vast = whole;
-        vast[40..44].copy_from_slice(&0xffff_fff0u32.to_le_bytes());
+        vast[40..44].copy_from_slice(&0xf000_0000u32.to_le_bytes());
         assert_eq!(read(&vast).unwrap_err().kind, FileErrorKind::Format);
     }
 }
