@@ -69,7 +69,7 @@ impl core::error::Error for Refused {}
 pub fn change(text: &mut Document, now: &Equivalence, change: &Change) -> Result<(), Refused> {
     let anchor = change.anchor.map(class).transpose()?;
     let mut section = Section(text);
-    section.0.make(&section.place("").keys[..1]).ok_or(Refused::NotASection)?;
+    section.0.make(&Section::place("").keys[..1]).ok_or(Refused::NotASection)?;
     if !change.rows.is_empty() || anchor.is_some() {
         rows(&mut section, now, change.rows, anchor)?;
     }
@@ -80,7 +80,7 @@ pub fn change(text: &mut Document, now: &Equivalence, change: &Change) -> Result
 struct Section<'a>(&'a mut Document);
 
 impl Section<'_> {
-    fn place(&self, key: &str) -> Place {
+    fn place(key: &str) -> Place {
         Place::keys(["equivalence", key])
     }
 
@@ -89,11 +89,11 @@ impl Section<'_> {
     }
 
     fn set(&mut self, key: &str, value: &Value) {
-        _ = self.0.set(&self.place(key), value);
+        _ = self.0.set(&Section::place(key), value);
     }
 
     fn clear(&mut self, key: &str) {
-        _ = self.0.clear(&self.place(key));
+        _ = self.0.clear(&Section::place(key));
     }
 }
 
@@ -233,7 +233,9 @@ fn scale(text: &mut Document, key: &KeyScale) -> Result<(), Refused> {
     let factors = [("position", key.position), ("force", key.force)].map(|(name, f)| (owner.clone().then(name), f));
     let old = text.value(&lever);
     if let Some(arm) = key.lever {
-        factors.iter().for_each(|(place, _)| _ = text.clear(place));
+        for (place, _) in &factors {
+            _ = text.clear(place);
+        }
         return text.set(&lever, &Value::Number(arm)).ok_or_else(refused);
     }
     _ = text.clear(&lever);

@@ -18,10 +18,13 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
+/// A contact, and k + 2z/T while it presses.
+type Pressed<'a> = (&'a LiaNode, f64);
+
 /// Warns of contacts that are unstable together and not by themselves.
 pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
     // contacts by mass, axis and side
-    let mut sides: BTreeMap<(u32, u8, bool), Vec<(&LiaNode, f64)>> = BTreeMap::new();
+    let mut sides: BTreeMap<(u32, u8, bool), Vec<Pressed>> = BTreeMap::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         let Measure::Line(axes) = l.measure else { continue };
         if !b.contact || l.law.is_staged() || l.sets.is_some() {

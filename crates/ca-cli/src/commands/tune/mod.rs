@@ -62,7 +62,7 @@ fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> 
         let cells = model.items.iter().find(|i| i.name == *part).and_then(|i| i.args.iter().find(|e| e.key == "f"));
         match cells.map(|e| &e.value) {
             Some(Value::List(list)) => {
-                all.extend((0..list.len()).map(|k| PitchTarget { part: part.clone(), cell: Some(k), hz: 0.0 }))
+                all.extend((0..list.len()).map(|k| PitchTarget { part: part.clone(), cell: Some(k), hz: 0.0 }));
             }
             _ => all.push(PitchTarget { part: part.clone(), cell: None, hz: 0.0 }),
         }
