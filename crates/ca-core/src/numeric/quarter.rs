@@ -5,13 +5,10 @@
 
 use super::{Real, real, sqrt, wide};
 
-/// More quarters than any law has: the number is a coefficient, and a loop over it must end soon.
-const MOST: u32 = 64;
-
-/// A number of quarters.
+/// A number of quarters, at most 255: it is a coefficient, and a loop over it must end soon.
 #[inline(always)]
 fn whole<R: Real>(n: R) -> u32 {
-    (wide(n) as u32).min(MOST)
+    u32::from(wide(n) as u8)
 }
 
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
