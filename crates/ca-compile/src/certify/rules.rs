@@ -194,7 +194,12 @@ pub fn hardening(
 
 /// The word of the method that was written for a link.
 pub fn method(net: &Pruned, l: &LiaNode) -> &'static str {
-    let Some(at) = l.kind.param("method") else { return "" };
+    word(net, l, "method")
+}
+
+/// The word of a choice of a link; empty where its kind lacks the choice, or none is made.
+pub fn word(net: &Pruned, l: &LiaNode, choice: &str) -> &'static str {
+    let Some(at) = l.kind.param(choice) else { return "" };
     let Type::Choice(words) = l.kind.params[at].ty else { return "" };
     let value = net.values(l.item, &l.values).get(at).copied().flatten();
     value.and_then(|v| words.get(v as usize)).copied().unwrap_or_default()

@@ -1,12 +1,12 @@
 //! Contacts on one side of a mass: each may be stable by itself, and all together not.
 //!
-//! With all of them pressed, the largest eigenvalue is at least that of the mass alone: T²/m times the sum of k + 2z/T over these contacts and
-//! over the permanent links. From 4 on the mass swings ever more while it presses (docs/numerics.md §3.2). Contacts of opposite sides
+//! The largest eigenvalue with all of them pressed is at least T²/m times the sum of k + 2z/T over these contacts and over the
+//! permanent links of the mass. From 4 on the mass swings ever more while it presses (docs/numerics.md §3.2). Contacts of opposite sides
 //! may never press at once, and of those in space the directions differ, so that these are judged one by one.
 
 use crate::certify::accumulate::Accumulated;
 use crate::certify::blame::{any, faster, span};
-use crate::certify::rules::stable;
+use crate::certify::rules::{stable, word};
 use crate::findings::round_down;
 use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -18,8 +18,12 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
-/// A contact, and k + 2z/T while it presses.
-type Pressed<'a> = (&'a LiaNode, f64);
+/// A contact that presses: k + 2z/T, and whether z is a part of it.
+struct Pressed<'a> {
+    link: &'a LiaNode,
+    h: f64,
+    viscous: bool,
+}
 
 /// Warns of contacts that are unstable together and not by themselves.
 pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
@@ -33,8 +37,9 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
         for (second, (end, axis)) in l.ends.into_iter().zip(axes).enumerate() {
             if let End::Mat(m) = end {
-                let side = (second == 1) != is_inside(net, l);
-                sides.entry((m, axis, side)).or_default().push((l, k + 2.0 * z));
+                // what contains presses from the other side
+                let side = (second == 1) != (word(net, l, "sense") == "inside");
+                sides.entry((m, axis, side)).or_default().push(Pressed { link: l, h: k + 2.0 * z, viscous: z > 0.0 });
             }
         }
     }
@@ -42,11 +47,11 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
     for ((m, ..), contacts) in sides {
         let (mass, s) = (&net.mats[m as usize], &sums.mats[m as usize]);
         let c = s.scaled_mobility;
-        let pressed: f64 = contacts.iter().map(|(_, h)| h).sum();
+        let pressed: f64 = contacts.iter().map(|p| p.h).sum();
         let at = c * (pressed + s.certain);
-        let Some((l, most)) = contacts.iter().max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some(most) = contacts.iter().max_by(|a, b| a.h.total_cmp(&b.h)) else { continue };
         // one contact is judged by itself, with the links that hold its mass
-        if at < 4.0 || contacts.len() < 2 || c * most >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
+        if at < 4.0 || contacts.len() < 2 || c * most.h >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
             continue;
         }
         cert.closed = cert.closed.max(at);
@@ -59,18 +64,13 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         let share = round_down(100.0 * (4.0 / c - s.certain) / pressed);
         let softer = format!("make them at most {} % as stiff and viscous", Plain(share));
         let heavier = format!("make `{}` heavier", mass.name);
-        let method = match stable(l) {
+        let method = match stable(most.link) {
             "" => String::new(),
             method => format!("use {method}"),
         };
-        let viscous = sums.links.iter().any(|b| b.contact && b.z > 0.0);
+        let viscous = contacts.iter().any(|p| p.viscous);
         let help = any(&[&method, &softer, &heavier, &faster(net, at, viscous)]);
-        diags.push(Diag::warning("W117", title).at(span(model, net, l.item), "the stiffest of them").help(help));
+        diags
+            .push(Diag::warning("W117", title).at(span(model, net, most.link.item), "the stiffest of them").help(help));
     }
-}
-
-/// True of a contact that contains: it presses from the other side.
-fn is_inside(net: &Pruned, l: &LiaNode) -> bool {
-    let at = l.kind.param("sense");
-    at.and_then(|at| net.values(l.item, &l.values).get(at).copied().flatten()).is_some_and(|sense| sense != 0.0)
 }

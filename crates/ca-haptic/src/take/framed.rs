@@ -39,7 +39,7 @@ pub fn check(kind: u8, body: &[u8]) -> Result<(), McapError> {
 
 /// A part of a record.
 enum Part {
-    /// so many bytes
+    /// this many bytes
     Bytes(usize),
     /// a text, or other bytes, after their length
     Text,

@@ -69,6 +69,15 @@ fn what_is_felt_is_what_the_device_holds() {
     }
 }
 
+/// A device of a third of the gesture rate holds each force three times as long, and has the mean force one of its frames later.
+#[test]
+fn a_slower_device_gives_a_softened_key_less() {
+    let p = Profile { rate: 1e3, ..e02(true) };
+    let held = Held::new(&scene(&wall(8e3, 0.0)), &p);
+    // 2 N s/m over two and, softened, half of that over three frames of 1 ms
+    assert!((held.passive - 1000.0).abs() < 1e-6 && (held.given - 1000.0 / 3.0).abs() < 1e-6, "{held:?}");
+}
+
 /// The mass of a coupling grows with the wall: 20 g, a tenth of this device, at 11 MN/m.
 #[test]
 fn a_wall_that_no_coupling_fits_is_reported() {

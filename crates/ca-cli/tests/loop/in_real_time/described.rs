@@ -87,6 +87,19 @@ impl Drop for TestDevice {
     }
 }
 
+/// The finger goes down, until it has the force of its spring.
+fn press(stage: &Stage, finger: &TestDevice) {
+    until("it is held", || {
+        if stage.state().0 != "on" {
+            // forces that a stall took away wait for a hand that presses nothing
+            finger.goes.store(false, Relaxed);
+            stage.on();
+        }
+        finger.goes.store(true, Relaxed);
+        (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
+    });
+}
+
 /// Forces stay on where this machine stands still for a while: its watchdogs are not what this is about.
 fn stage() -> Stage {
     let stage = Stage::new();
@@ -103,15 +116,7 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
         let mut finger = (!server_first).then(|| TestDevice::new(&stage.site, 1, 1));
         let server = stage.serve("finger.ca.toml", &["--json", "--log", "take.mcap"]);
         let finger = finger.get_or_insert_with(|| TestDevice::new(&stage.site, 1, 1));
-        until("it is held", || {
-            if stage.state().0 != "on" {
-                // forces that a stall took away wait for a hand that presses nothing
-                finger.goes.store(false, Relaxed);
-                stage.on();
-            }
-            finger.goes.store(true, Relaxed);
-            (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
-        });
+        press(&stage, finger);
         let most = finger.forces()[0];
         assert!(most < 1.1 * 500.0 * DEPTH, "{most} N where the spring gives {} N", 500.0 * DEPTH);
         let ran = server.stop();
@@ -171,14 +176,7 @@ fn a_device_plays_the_keys_it_has() {
     stage.put("keys.ca.toml", &keys);
     let server = stage.serve("keys.ca.toml", &[]);
     let finger = TestDevice::new(&stage.site, 1, 1);
-    until("it is held", || {
-        if stage.state().0 != "on" {
-            finger.goes.store(false, Relaxed);
-            stage.on();
-        }
-        finger.goes.store(true, Relaxed);
-        (finger.forces()[1] - 500.0 * DEPTH).abs() < 1e-3
-    });
+    press(&stage, &finger);
     let ran = server.stop();
     ran.says(&["finger: it says: ", "the model has keys for 2, of which MIDI and gestures play the others"]);
     drop(finger);
