@@ -1,9 +1,9 @@
 //! One page of HTML about a sound and the model that made it, whole in one file.
 //!
 //! Decides that this crate takes plain data and gives a text: it knows neither files nor scenes, so that the command and
-//! Python tell the same of different things. The page asks nobody for anything: script, style, pictures and sound are
-//! in it, and a policy in its head forbids the rest. What it says in words, tables, pictures and sound is there without a
-//! script; the script adds the plots, drawn by uPlot (MIT, `assets/`).
+//! Python tell the same of different things. The page needs no network: scripts, styles, pictures and sound are
+//! in it, and a policy in its head forbids the rest. Words, tables, pictures and sound are there without
+//! scripts; the scripts in `assets/` draw the plots.
 //!
 //! ```
 //! use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound};

@@ -2,7 +2,7 @@
 //!
 //! Decides that no text of a model can become markup: maud escapes what it is given, and in the data, which stands in a
 //! script element, every `<` is written as a JSON escape, so that no word in it ends the element. What is not escaped is
-//! what comes with us: style, script and uPlot.
+//! the style and the scripts of this crate.
 
 use crate::plot::Plot;
 use crate::report::{Block, Picture, Report, Section, Table, Weight};
@@ -13,10 +13,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::{Value as Json, json};
 
 const STYLE: &str = include_str!("../assets/report.css");
-const SCRIPT: &str = include_str!("../assets/report.js");
-const UPLOT: &str = include_str!("../assets/uPlot.iife.min.js");
-const UPLOT_STYLE: &str = include_str!("../assets/uPlot.min.css");
-const UPLOT_LICENCE: &str = include_str!("../assets/uPlot.LICENSE");
+/// In the order in which they need each other.
+const SCRIPTS: [&str; 3] =
+    [include_str!("../assets/axis.js"), include_str!("../assets/plot.js"), include_str!("../assets/report.js")];
 /// Nothing from anywhere but this file.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
                       media-src data:; base-uri 'none'; form-action 'none'";
@@ -74,7 +73,7 @@ fn page(report: &Report) -> String {
                 meta name="generator" content={ "ca " (env!("CARGO_PKG_VERSION")) };
                 link rel="icon" href="data:,";
                 title { (report.title) }
-                style { (PreEscaped(UPLOT_STYLE)) (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) }
             }
             body {
                 header {
@@ -97,12 +96,10 @@ fn page(report: &Report) -> String {
                     @for s in sections { (s) }
                 }
                 footer {
-                    p { "One file that asks nobody for anything. Plots by uPlot: drag to zoom, double-click to go back." }
-                    details { summary { "Licence of uPlot" } pre { (UPLOT_LICENCE) } }
+                    p { "One file that needs no network. Drag in a plot to zoom, double-click to go back; a click in a plot over time goes to that time in the sound." }
                 }
                 script type="application/json" id="data" { (PreEscaped(data)) }
-                script { (PreEscaped(UPLOT)) }
-                script { (PreEscaped(SCRIPT)) }
+                @for script in SCRIPTS { script { (PreEscaped(script)) } }
                 @if let Some(picture) = &report.picture { script { (PreEscaped(&picture.script)) } }
             }
         }
@@ -261,8 +258,8 @@ mod tests {
         report.sections.push(Section::new(EVIL, blocks));
         let page = report.html();
         assert!(!page.contains("alert(1)</script>") && !page.contains("<img src=x") && !page.contains("<!--]]"));
-        assert_eq!(page.matches("</script>").count(), 3, "data, uPlot, ours");
-        assert_eq!(page.matches("<script").count(), 3);
+        assert_eq!(page.matches("</script>").count(), 4, "data, axis, plot, report");
+        assert_eq!(page.matches("<script").count(), 4);
         let shown = "&lt;/script&gt;&lt;script&gt;alert(1)";
         // title, h1, subtitle, contents, note, h2, text, player, caption, aria-label, label and unit of an axis,
         // curve, table twice, source twice
@@ -276,13 +273,13 @@ mod tests {
         }
     }
 
-    /// What a page weighs without sound and plots: uPlot and what is ours.
+    /// The weight of a page without sound and plots: its style and scripts.
     #[test]
     fn an_empty_page_is_light_and_asks_for_nothing() {
         let page = Report::new("t", "s").html();
-        assert!(page.len() < 75_000, "{} bytes", page.len());
+        assert!(page.len() < 30_000, "{} bytes", page.len());
         assert!(page.contains("default-src 'none'"));
-        assert_eq!(page.matches("http").count(), 2, "`http-equiv`, an address in a comment of uPlot, and none else");
+        assert_eq!(page.matches("http").count(), 1, "`http-equiv` alone");
         for word in ["<link rel=\"stylesheet\"", "@import", "url(", "fetch(", "XMLHttp", "import("] {
             assert!(!page.contains(word), "{word}");
         }

@@ -310,9 +310,9 @@ mod in_real_time {
         assert_ne!(tab.part("filmCanvas"), still, "it moves");
         assert_eq!(tab.js("document.querySelector('audio').currentTime.toFixed(3)"), "0.030");
         // a click in a plot over time
-        tab.js("document.querySelector('.u-over').scrollIntoView({ behavior: 'instant' })");
+        tab.js("document.querySelector('.chart-over').scrollIntoView({ behavior: 'instant' })");
         let place = tab.js(
-            "(() => { const r = document.querySelector('.u-over').getBoundingClientRect(); return [r.x + r.width / 2, r.y + 20]; })()",
+            "(() => { const r = document.querySelector('.chart-over').getBoundingClientRect(); return [r.x + r.width / 2, r.y + 20]; })()",
         );
         let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap());
         tab.mouse("mousePressed", x, y);

@@ -345,7 +345,7 @@ fn browse(desk: &Desk, pages: &[&str]) {
         // and one for the moving instrument
         let film = dom.matches("id=\"filmCanvas\"").count();
         assert_eq!(dom.matches("<canvas").count() - film, plots, "{name}: a canvas for each plot");
-        // uPlot draws the labels of axes on the canvas and the names of curves beside it
-        assert_eq!(dom.matches("class=\"uplot").count(), plots, "{name}");
+        // the names of curves stand below the canvas
+        assert_eq!(dom.matches("class=\"chart\"").count(), plots, "{name}");
     }
 }
