@@ -5,6 +5,7 @@
 
 use ca_model::diag::{Diags, Severity};
 use ca_model::plain::plain;
+use ca_model::quantity::short;
 use ca_model::{Model, render};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
@@ -57,15 +58,6 @@ pub fn findings(diags: &Diags, model: &Model) {
     {
         let _ = writeln!(err, "`ca explain {}` says more", d.code);
     }
-}
-
-/// Three significant digits.
-pub fn short(v: f64) -> String {
-    if !v.is_finite() || v == 0.0 {
-        return v.to_string();
-    }
-    let digits = 2 - v.abs().log10().floor() as i32;
-    if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
 }
 
 /// A time \[s\] in the unit in which people count it.

@@ -11,6 +11,7 @@ pub mod accuracy;
 pub mod batch;
 pub mod bench;
 pub mod bytes;
+pub mod facts;
 pub mod fit;
 pub mod gesture;
 pub mod load;

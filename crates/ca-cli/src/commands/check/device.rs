@@ -9,10 +9,8 @@
 //! largest: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
 //! of the device cannot be played: that is a fault too.
 
-use crate::commands::border::quantity;
 use crate::load::ticked;
 use crate::outcome::Failure;
-use crate::term::short;
 use ca_core::Scene;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
@@ -21,7 +19,8 @@ use ca_haptic::coupling::{self, Held, Needed, Presented};
 use ca_haptic::engine::Setup;
 use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
-use ca_model::quantity::{show, six};
+use ca_lab::facts::border::quantity;
+use ca_model::quantity::{short, show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

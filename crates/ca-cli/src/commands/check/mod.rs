@@ -8,17 +8,19 @@ mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
-use crate::commands::render::{contacting, deepening, opened, rippling, stability, stability_json};
-use crate::commands::{border, inputs};
+use crate::commands::border;
+use crate::commands::render::stability_json;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
-use crate::term::short;
 use crate::watch::{LOOK, Watch};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
-use ca_model::quantity::Plain;
+use ca_lab::facts::border::{crossing, rates};
+use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
+use ca_lab::facts::{codes, inputs};
+use ca_model::quantity::{Plain, short};
 use ca_model::{quantity, render};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -94,18 +96,6 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
     }
 }
 
-/// How many modules of each code run, in order of first appearance.
-pub(crate) fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
-    let mut list: Vec<(&'static str, usize)> = Vec::new();
-    for s in &scene.symbols {
-        match list.iter_mut().find(|c| c.0 == s.code) {
-            Some(c) => c.1 += 1,
-            None => list.push((s.code, 1)),
-        }
-    }
-    list
-}
-
 fn ops(scene: &Scene) -> usize {
     scene.reads.len() + scene.summed().len() + scene.writes.len() + scene.moves.len()
 }
@@ -138,7 +128,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let [min, max] = [p.min, p.max].map(|v| quantity::show(v, p.unit));
         writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
     }
-    writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
+    writeln!(out, "  rates      {}, {} ticks a frame", rates(scene), scene.frame)?;
     if let Some(group) = &scene.slow {
         let how = if group.compensated {
             ", compensated: what is not known of a frame is expected from those before, which is not proven"
@@ -151,7 +141,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
             group.masses, group.links, group.coupled
         )?;
     }
-    border::crossing(&mut out, scene)?;
+    if let Some(how) = crossing(scene) {
+        writeln!(out, "  border     {how}")?;
+    }
     border::text(&mut out, scene)?;
     border::keys(&mut out, scene)?;
     let c = &scene.certificate;

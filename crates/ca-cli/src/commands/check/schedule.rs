@@ -7,12 +7,12 @@
 //! the caches for each other, so the whole tick is measured too and the sum may differ from it.
 
 use crate::outcome::Failure;
-use crate::term::short;
 use ca_compile::cost;
 use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::timing::Timing;
+use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::{Duration, Instant};

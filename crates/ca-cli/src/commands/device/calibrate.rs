@@ -7,13 +7,13 @@
 
 use crate::args::CalibrateArgs;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term::short;
 use crate::{load, store, term};
 use ca_haptic::calibration::{Axis, Calibration};
 use ca_haptic::frame::{DOF, DeviceFrame, text};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{Gateway, Site};
 use ca_haptic::profile::Profile;
+use ca_model::quantity::short;
 use std::io::{BufRead as _, IsTerminal as _, Write as _};
 use std::path::Path;
 use std::time::{Duration, Instant};

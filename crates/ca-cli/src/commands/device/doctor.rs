@@ -6,7 +6,6 @@
 
 use super::about;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
 use ca_haptic::frame::{DeviceFrame, ForceFrame};
 use ca_haptic::host::control::{Request, ask};
 use ca_haptic::host::gateway::list_devices;
@@ -14,6 +13,7 @@ use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, sta
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, RtRequest, Waits, now_ns};
 use ca_haptic::stats::{Percentiles, Times};
+use ca_model::quantity::short;
 use serde_json::json;
 use std::fs;
 use std::io::Write as _;
@@ -124,7 +124,7 @@ fn name(state: State) -> &'static str {
 }
 
 fn times(t: &Percentiles) -> String {
-    let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(term::short);
+    let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(short);
     format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
 }
 

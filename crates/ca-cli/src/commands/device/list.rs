@@ -1,12 +1,12 @@
 //! `ca device list`: who speaks at this place, and what can be named with `--profile`.
 
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term::short;
 use crate::{load, store};
 use ca_haptic::frame::{About, text};
 use ca_haptic::host::Site;
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::profile::{Profile, SHIPPED};
+use ca_model::quantity::short;
 use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;

@@ -8,7 +8,6 @@
 use super::about;
 use crate::args::{ScriptKind, SimArgs};
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term::short;
 use crate::{outputs, store, term};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::{DeviceClient, HostError, Site};
@@ -17,6 +16,7 @@ use ca_haptic::rt::{self, Waits, now_ns};
 use ca_haptic::simulated::{Device, Hand, Script, ScriptOptions};
 use ca_haptic::stats::Times;
 use ca_io::gesture::Gesture;
+use ca_model::quantity::short;
 use serde_json::json;
 use std::fmt::Write as _;
 use std::fs::File;

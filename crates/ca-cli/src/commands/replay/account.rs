@@ -4,10 +4,10 @@
 //! scale of the equivalence. What crossed at a key of another scale is first made joules of the model there. Links are
 //! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
 
-use crate::term::short;
 use ca_core::state::Ledger;
 use ca_core::{Scene, equivalence::Gains};
 use ca_haptic::engine::{Engine, Port};
+use ca_model::quantity::short;
 use serde_json::{Value, json};
 use std::io::Write;
 

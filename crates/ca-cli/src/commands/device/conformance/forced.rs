@@ -5,10 +5,10 @@ use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::quiet::{late, unexpected_forces};
 use super::table::CheckTable;
 use crate::outcome::Failure;
-use crate::term::short;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
+use ca_model::quantity::short;
 
 /// The most that a force may live \[s\], in tries after a watchdog; what no device outlives is 0.1 s.
 const PATIENT: f64 = 0.08;

@@ -12,11 +12,11 @@ mod table;
 
 use crate::args::ConformanceArgs;
 use crate::outcome::{Failure, Outcome};
-use crate::term::short;
 use crate::{store, term};
 use bench::Bench;
 use ca_haptic::host::Site;
 use ca_haptic::rt::{self, RtRequest};
+use ca_model::quantity::short;
 use table::CheckTable;
 
 /// Runs the command.

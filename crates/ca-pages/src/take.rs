@@ -5,19 +5,16 @@
 //! says so and is written without them. Where the model changed in the middle, the picture is of the masses that were there from
 //! the start, and there is no ledger, which is that of one scene.
 
-use super::loops::{Clock, Loops, Stamp};
-use super::parts::{self, Facts, finished};
-use super::played::EnergyOverTime;
-use super::useless;
-use crate::args::ReportArgs;
-use crate::outcome::Failure;
-use crate::term::short;
+use crate::energy::EnergyOverTime;
+use crate::loops::{Clock, Loops, Stamp};
+use crate::parts::{self, Facts, finished};
 use ca_core::Scene;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::take::{End, Event, Replay, Take};
-use ca_lab::catalog;
 use ca_lab::view::{TakeFilm, judged, picture};
+use ca_lab::{Failure, catalog};
+use ca_model::quantity::short;
 use ca_report::{Axis, Block, Curve, Envelope, Mark, Plot, Report, Section, Sound, Table, Weight};
 use ca_view::Film;
 use std::path::Path;
@@ -29,20 +26,11 @@ const EVENTS: usize = 100;
 /// Frames that may be on their way round.
 const RECENT: usize = 256;
 
-/// Tells all of a take.
-pub(super) fn report(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
-    let played = &args.playing;
-    useless(
-        "a take is shown as it was played; `ca render MODEL --gesture TAKE` plays it otherwise",
-        &[
-            ("--set", args.source.changes().next().is_some()),
-            ("--rate", args.source.rate.is_some()),
-            ("--seconds", played.seconds.is_some()),
-            ("--gesture", !played.gesture.is_empty()),
-            ("--probe", !args.probe.is_empty()),
-            ("--accuracy", args.accuracy.is_some()),
-        ],
-    )?;
+/// The page of a take, and the name of its file without folder and extension.
+///
+/// # Errors
+/// If the file cannot be read, or memory for the picture is missing.
+pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     let mut take = Take::open(file)?;
     let summary = take.summary()?;
     let scene = take.header.scene(&catalog());

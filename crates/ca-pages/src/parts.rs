@@ -3,21 +3,19 @@
 //! Decides that frequencies of modes are marked in the spectrum as they are heard, and only those that an output hears:
 //! a mark where nothing can be tells less than none. The table has them all the same.
 
-use crate::commands::border;
-use crate::commands::check::codes;
-use crate::commands::render::{
-    contacting, decibel, deepening, fitting, level, opened, rippling, stability as verdict, tenths, too_loud,
-};
-use crate::term::short;
 use ca_compile::Compiled;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
 use ca_lab::catalog;
+use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability as verdict};
+use ca_lab::facts::level::{decibel, fitting, level, tenths, too_loud};
+use ca_lab::facts::{border, codes};
+use ca_lab::load::ticked;
 use ca_model::Model;
 use ca_model::diag::Severity;
-use ca_model::quantity::Plain;
+use ca_model::quantity::{Plain, short};
 use ca_report::{Axis, Block, LOWEST, Mark, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
 /// Most places of a network whose modes are on the page: more would take longer than playing it.
@@ -28,12 +26,12 @@ const MODES: usize = 40;
 const SILENT: f64 = -60.0;
 
 /// Who wrote the page.
-pub(super) fn finished() -> String {
+pub(crate) fn finished() -> String {
     format!("by ca {}", env!("CARGO_PKG_VERSION"))
 }
 
 /// What is wrong with a sound.
-pub(super) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
+pub(crate) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     let peak = sound.peak().iter().copied().fold(0.0, f64::max);
     let mut list = Vec::new();
     if sound.names().is_empty() {
@@ -53,7 +51,7 @@ pub(super) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
 
 /// The table at the head of the page.
 #[derive(Default)]
-pub(super) struct Facts(Vec<(&'static str, String)>);
+pub(crate) struct Facts(Vec<(&'static str, String)>);
 
 impl Facts {
     /// What a scene says of itself.
@@ -80,7 +78,7 @@ impl Facts {
 }
 
 /// Players, waveform, spectrogram and spectrum; nothing without channels.
-pub(super) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Section> {
+pub(crate) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Section> {
     if sound.names().is_empty() {
         return None;
     }
@@ -98,10 +96,10 @@ pub(super) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Se
 }
 
 /// The modes of the linear part, or why there are none.
-pub(super) struct ModesPart(Result<(Network, Modes), String>);
+pub(crate) struct ModesPart(Result<(Network, Modes), String>);
 
 /// The modes of a model as it is compiled with `options`.
-pub(super) fn modes(model: &Model, options: &Options) -> ModesPart {
+pub(crate) fn modes(model: &Model, options: &Options) -> ModesPart {
     let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
         return ModesPart(Err("The model has no linear part that could be looked at by itself.".into()));
     };
@@ -164,7 +162,7 @@ impl ModesPart {
         let forces = self.by_force();
         let places = network.ports.iter().any(|p| p.role == "hears");
         if !forces.is_empty() {
-            let names = crate::load::ticked(forces.iter().map(String::as_str));
+            let names = ticked(forces.iter().map(String::as_str));
             let rest = if places { "; the levels are of the others" } else { "" };
             let note = format!("These outputs hear other than displacements, and may hear any mode: {names}{rest}.");
             blocks.push(Block::Text(note));
@@ -223,7 +221,7 @@ impl ModesPart {
 }
 
 /// What is proven, how far the limit is, what keys ask, and the findings.
-pub(super) fn stability(scene: &Compiled) -> Section {
+pub(crate) fn stability(scene: &Compiled) -> Section {
     let c = &scene.certificate;
     let means = match c.level {
         Level::Proven => "every link is linear and the bound is below the limit, at every setting",
@@ -247,7 +245,7 @@ pub(super) fn stability(scene: &Compiled) -> Section {
         ),
     ];
     if !c.not_judged.is_empty() {
-        let names = crate::load::ticked(c.not_judged.iter().map(String::as_str));
+        let names = ticked(c.not_judged.iter().map(String::as_str));
         rows.push(("not judged", format!("{names}: nothing hears it, so it is left out")));
     }
     if c.exact {

@@ -4,9 +4,10 @@
 //! the rest, and the one curve that tests the engine. Of a model that diverged the ledger is shown as long as its energy
 //! is of the size of what the model was given: what comes then measures the divergence.
 
-use crate::commands::render::{grows, joule, makers, relative};
 use ca_core::Scene;
 use ca_core::state::{Balance, Ledger};
+use ca_lab::facts::energy::{grows, joule, makers};
+use ca_lab::play::relative;
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
 /// Energy so many times what a model was given is that of its divergence.
@@ -14,7 +15,7 @@ const DIVERGED: f64 = 1e6;
 
 /// The ledger at several times.
 #[derive(Default)]
-pub(super) struct EnergyOverTime {
+pub(crate) struct EnergyOverTime {
     /// \[s\]
     times: Vec<f64>,
     /// sums, and the part in motion \[J\]

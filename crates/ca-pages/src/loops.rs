@@ -3,8 +3,8 @@
 //! Decides that they are those of the device's clock, from a frame to the first that was made under the force which answers it: force
 //! frames are recorded before anybody sends them.
 
-use crate::term::short;
 use ca_haptic::take::Rt;
+use ca_model::quantity::short;
 use ca_report::{Axis, Block, Curve, Grid, Look, Plot, Section, Table};
 use std::collections::VecDeque;
 
@@ -15,11 +15,11 @@ const BINS: f64 = 25.0;
 
 /// How the real-time loop did.
 #[derive(Default)]
-pub(super) struct Loops {
+pub(crate) struct Loops {
     /// between device frames, and from one to the first under the force that answers it \[µs\]
-    pub(super) apart: Vec<f64>,
-    pub(super) around: Vec<f64>,
-    pub(super) seconds: Vec<Rt>,
+    pub(crate) apart: Vec<f64>,
+    pub(crate) around: Vec<f64>,
+    pub(crate) seconds: Vec<Rt>,
 }
 
 /// How many of the times \[µs\] lie in each column of equal ratios.
@@ -52,7 +52,7 @@ fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
 }
 
 impl Loops {
-    pub(super) fn section(self, rate: f64, gesture: f64) -> Option<Section> {
+    pub(crate) fn section(self, rate: f64, gesture: f64) -> Option<Section> {
         let mut blocks = Vec::new();
         blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
         blocks.extend(histogram("Time from hand to force to hand", &self.around).map(Block::Plot));
@@ -93,26 +93,26 @@ impl Loops {
 
 /// Frames of a device on their way round.
 #[derive(Clone, Default)]
-pub(super) struct Clock {
-    pub(super) session: u64,
+pub(crate) struct Clock {
+    pub(crate) session: u64,
     /// when its last frame was published
-    pub(super) last: Option<Stamp>,
+    pub(crate) last: Option<Stamp>,
     /// recent frames: number, and when they were published
-    pub(super) frames: VecDeque<(u64, Stamp)>,
+    pub(crate) frames: VecDeque<(u64, Stamp)>,
     /// recent force frames: number, and when the frame they answer was published
-    pub(super) forces: VecDeque<(u64, Stamp)>,
+    pub(crate) forces: VecDeque<(u64, Stamp)>,
 }
 
 /// When a frame was published, by its device \[ns\], and when it was taken, by the engine \[s\].
 #[derive(Clone, Copy)]
-pub(super) struct Stamp {
-    pub(super) ns: u64,
-    pub(super) taken: f64,
+pub(crate) struct Stamp {
+    pub(crate) ns: u64,
+    pub(crate) taken: f64,
 }
 
 impl Stamp {
     /// Time from an earlier one \[µs\]; none where a clock that is not ours, or none at all, says more than can have passed.
-    pub(super) fn since(self, earlier: Stamp) -> Option<f64> {
+    pub(crate) fn since(self, earlier: Stamp) -> Option<f64> {
         let us = self.ns.checked_sub(earlier.ns)? as f64 * 1e-3;
         (us <= 1e6 * (self.taken - earlier.taken + AWAY)).then_some(us)
     }
