@@ -3,6 +3,7 @@
 //! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
 //! where stderr is closed.
 
+use ca_device_tools::Message;
 use ca_model::diag::{Diags, Severity};
 use ca_model::plain::plain;
 use ca_model::quantity::short;
@@ -37,6 +38,14 @@ pub fn warning(text: &str) {
 /// `note: …`
 pub fn note(text: &str) {
     lead("note", "36", text);
+}
+
+/// A message of a tool.
+pub fn message(message: Message) {
+    match message {
+        Message::Note(text) => note(&text),
+        Message::Warning(text) => warning(&text),
+    }
 }
 
 /// Whether the page of a finding is still to be named; that is done once in a run.

@@ -54,7 +54,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
 }
 
 fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
-    let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
+    let profile = args.device.as_deref().map(ca_device_tools::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
     *files = ca_lab::load::part_files(&loaded.model);
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };

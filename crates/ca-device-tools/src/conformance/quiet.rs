@@ -1,11 +1,10 @@
 //! What is looked at while no force is asked for: who a device is, what it sends unasked, an engine at rest, and frames
 //! that are not for it.
 
+use super::Conformance;
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::table::CheckTable;
-use crate::args::ConformanceArgs;
-use crate::outcome::Failure;
-use crate::store;
+use crate::{Message, ToolError, store};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode, status, text};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::wait::Wait;
@@ -18,7 +17,7 @@ type Wrong = (&'static str, fn(&mut ForceFrame));
 const FAR: u64 = 1_000_000;
 
 /// Who it is. `None` where nothing more can be asked.
-pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<About>, Failure> {
+pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<About>, ToolError> {
     b.forget();
     b.listen(1, PATIENCE);
     if b.frames.is_empty() {
@@ -26,7 +25,7 @@ pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<Abou
             t.row("frames", false, "of another version or for another device; build it anew");
             return Ok(None);
         }
-        return Err(Failure::Failed(
+        return Err(ToolError::Failed(
             "no device of that name speaks; start it, `ca device list` shows those that do".into(),
         ));
     }
@@ -108,8 +107,14 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
 }
 
 /// Whether `ca serve` would use its frames, with the profile it would take, and give it forces.
-pub(super) fn served(b: &mut Bench, args: &ConformanceArgs, a: &About, t: &mut CheckTable) -> Result<(), Failure> {
-    let own = store::profile_of(&args.name, &args.profile)?;
+pub(super) fn served(
+    b: &mut Bench,
+    asked: &Conformance,
+    a: &About,
+    t: &mut CheckTable,
+    say: &mut dyn FnMut(Message),
+) -> Result<(), ToolError> {
+    let own = store::profile_of(&asked.name, &asked.profile, say)?;
     let profile = if own.is_unknown() {
         match own.described(a) {
             Ok(p) => p,

@@ -4,7 +4,7 @@
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::quiet::{late, unexpected_forces};
 use super::table::CheckTable;
-use crate::outcome::Failure;
+use crate::ToolError;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
@@ -25,7 +25,7 @@ const MOVED: f64 = 0.5;
 
 /// Another engine after a watchdog, whose frames live twice as long: what stands still for milliseconds is this machine,
 /// and how long a force lives is no matter of the device, as long as it ends then.
-pub(super) fn patient(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<(), Failure> {
+pub(super) fn patient(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<(), ToolError> {
     let late = matches!(b.mode(), (Mode::Fault, Cause::WatchdogOut | Cause::WatchdogIn));
     if late && profile.guard.ttl < PATIENT {
         let hold = 2.0 * profile.hold();
@@ -38,7 +38,7 @@ pub(super) fn patient(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> R
 }
 
 /// Forces on; false where they cannot be.
-pub(super) fn on(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<bool, Failure> {
+pub(super) fn on(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<bool, ToolError> {
     for _ in 0..TRIES {
         patient(b, p, profile)?;
         p.pull(0.0)?;
@@ -70,7 +70,7 @@ pub(super) fn forces(
     profile: &mut Profile,
     force: f64,
     t: &mut CheckTable,
-) -> Result<bool, Failure> {
+) -> Result<bool, ToolError> {
     for attempt in 1..=TRIES {
         if !on(b, p, profile)? {
             let (mode, cause) = b.mode();
@@ -116,7 +116,7 @@ pub(super) fn spring(
     profile: &mut Profile,
     force: f64,
     t: &mut CheckTable,
-) -> Result<(), Failure> {
+) -> Result<(), ToolError> {
     for attempt in 1..=TRIES {
         // from where it is now, which pulls before may have changed
         *p = b.player(profile)?;
@@ -215,7 +215,7 @@ pub(super) fn silence(
     force: f64,
     a: &About,
     t: &mut CheckTable,
-) -> Result<(), Failure> {
+) -> Result<(), ToolError> {
     let mut last = None;
     for _ in 0..TRIES {
         if !on(b, p, profile)? {
@@ -252,7 +252,7 @@ pub(super) fn silence(
 }
 
 /// Another engine.
-pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut CheckTable) -> Result<(), Failure> {
+pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut CheckTable) -> Result<(), ToolError> {
     let mut p = b.player(profile)?;
     b.forget();
     b.play(&mut p, REST);

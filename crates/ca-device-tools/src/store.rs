@@ -3,12 +3,13 @@
 //! Decides that a word that names a file is that file; else a profile of the user's, else one that comes with us; and
 //! that a calibration is found by the name of its device, because it belongs to hardware and not to a model.
 
-use crate::outcome::Failure;
-use crate::{load, term};
+use crate::{Message, ToolError};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::profile::{Profile, SHIPPED};
-use ca_model::suggest::nearest;
-use std::path::PathBuf;
+use ca_io::error::reason;
+use ca_model::suggest::{listed, nearest};
+use cordis_anima::loaded::text;
+use std::path::{Path, PathBuf};
 
 /// The directory.
 pub fn dir() -> PathBuf {
@@ -31,21 +32,28 @@ pub fn profile_file(word: &str) -> Option<PathBuf> {
 }
 
 /// A profile by file or name.
-pub fn profile(word: &str) -> Result<Profile, Failure> {
+///
+/// # Errors
+/// [`ToolError::Usage`] if there is none, [`ToolError::File`] if its file cannot be read.
+pub fn profile(word: &str) -> Result<Profile, ToolError> {
     if let Some(path) = profile_file(word) {
-        return Ok(Profile::read(&load::text(&path)?, &path.display().to_string())?);
+        return Ok(Profile::read(&text(&path)?, &path.display().to_string())?);
     }
     Profile::shipped(word).ok_or_else(|| {
         let hint = match nearest(word, SHIPPED.iter().map(|s| s.0)) {
             Some(m) => format!("did you mean `{m}`?"),
-            None => format!("there is {}, or a file of yours", load::ticked(SHIPPED.iter().map(|s| s.0))),
+            None => format!("there is {}, or a file of yours", listed(SHIPPED.iter().map(|s| s.0))),
         };
-        Failure::Usage(format!("no profile `{word}`; {hint}"))
+        ToolError::Usage(format!("no profile `{word}`; {hint}"))
     })
 }
 
-/// The profile of a device: the one given for it, else one of its own name, else `unknown`.
-pub fn profile_of(device: &str, given: &[String]) -> Result<Profile, Failure> {
+/// The profile of a device: the one given for it as `DEVICE=PROFILE` or for all, else one of the name of the device, else
+/// `unknown`, with a warning.
+///
+/// # Errors
+/// As of [`profile`]; a device without a profile is not an error.
+pub fn profile_of(device: &str, given: &[String], say: &mut dyn FnMut(Message)) -> Result<Profile, ToolError> {
     let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p));
     let plain = given.iter().find(|g| !g.contains('=')).map(String::as_str);
     if let Some(word) = named.or(plain) {
@@ -53,30 +61,33 @@ pub fn profile_of(device: &str, given: &[String]) -> Result<Profile, Failure> {
     }
     // one that is there and cannot be read is an error, not another device
     match profile(device) {
-        Err(Failure::Usage(_)) => {}
+        Err(ToolError::Usage(_)) => {}
         found => return found,
     }
     let p = profile("unknown")?;
-    term::warning(&format!(
+    say(Message::Warning(format!(
         "nobody has described the device `{device}`: degrees of freedom as it says itself, at most {} N; \
          say what it is with `--profile {device}=NAME`",
         p.force
-    ));
+    )));
     Ok(p)
 }
 
 /// The calibration of a device: the file given for it, else the user's, else none.
-pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Failure> {
+///
+/// # Errors
+/// If its file cannot be read, or is the calibration of another device.
+pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, ToolError> {
     let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p.into()));
     let path: PathBuf = match named {
         Some(path) => path,
         None if calibration_file(device).is_file() => calibration_file(device),
         None => return Ok(Calibration::default()),
     };
-    let read = Calibration::read(&load::text(&path)?, &path.display().to_string())?;
+    let read = Calibration::read(&text(&path)?, &path.display().to_string())?;
     // a file of no device is of any
     if !read.device.is_empty() && read.device != device {
-        return Err(Failure::Failed(format!(
+        return Err(ToolError::Failed(format!(
             "{}: this is the calibration of `{}`, not of `{device}`: positions and forces would be wrong by its factors; \
              give the one of `{device}`, or make it with `ca device calibrate`",
             path.display(),
@@ -84,4 +95,37 @@ pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Fai
         )));
     }
     Ok(read)
+}
+
+/// All profiles by name, and whether each belongs to the user: the profiles that come with us, and the user's, which take their
+/// place.
+///
+/// # Errors
+/// If a file of the user cannot be read.
+pub fn profiles() -> Result<Vec<(Profile, bool)>, ToolError> {
+    let mut list: Vec<(Profile, bool)> =
+        SHIPPED.iter().filter_map(|(name, _)| Some((Profile::shipped(name)?, false))).collect();
+    let own = std::fs::read_dir(dir().join("profiles")).into_iter().flatten().flatten();
+    let is_toml = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let mut files: Vec<_> = own.map(|f| f.path()).filter(is_toml).collect();
+    files.sort();
+    for path in files {
+        let p = Profile::read(&text(&path)?, &path.display().to_string())?;
+        list.retain(|l| l.0.name != p.name);
+        list.push((p, true));
+    }
+    Ok(list)
+}
+
+/// Writes a calibration, and makes its folder.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(path: &Path, calibration: &Calibration) -> Result<(), ToolError> {
+    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| ToolError::Failed(format!("`{}` cannot be written: {}", path.display(), reason(&e))))?;
+    }
+    // whole or not at all: half a calibration would be a force in the wrong place
+    Ok(ca_io::atomic_file::write(path, calibration.write().as_bytes())?)
 }

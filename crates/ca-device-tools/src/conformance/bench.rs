@@ -1,7 +1,7 @@
 //! An engine of its own for one device: the real engine, guard and gateway, in one thread, with a scene that pulls a
 //! little at each degree of freedom.
 
-use crate::outcome::Failure;
+use crate::ToolError;
 use ca_compile::Options as Compile;
 use ca_core::Scene;
 use ca_core::live::Controls;
@@ -12,8 +12,8 @@ use ca_haptic::guard::Order;
 use ca_haptic::host::{Event, Gateway, HostError, Site, session};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{Waits, now_ns};
-use ca_lab::catalog;
 use ca_model::read;
+use cordis_anima::catalog;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
@@ -143,7 +143,7 @@ impl Bench {
     }
 
     /// An engine whose scene has the device where it is now.
-    pub fn player(&self, profile: &Profile) -> Result<Player, Failure> {
+    pub fn player(&self, profile: &Profile) -> Result<Player, ToolError> {
         let x = self.frames.last().map_or([0.0; DOF], |f| f.pos);
         let [low, high] = profile.range;
         let stretch = STRETCH[0].min(STRETCH[1] * (high - low));
@@ -169,18 +169,18 @@ impl Player {
     }
 
     /// Pulls at each degree of freedom with so much \[N\].
-    pub fn pull(&mut self, force: f64) -> Result<(), Failure> {
+    pub fn pull(&mut self, force: f64) -> Result<(), ToolError> {
         self.set("pull", force / REACH)
     }
 
     /// Holds each degree of freedom by springs of this stiffness \[N/m\], at rest at [`Player::rest`].
-    pub fn springs(&mut self, k: [f64; 2]) -> Result<(), Failure> {
+    pub fn springs(&mut self, k: [f64; 2]) -> Result<(), ToolError> {
         self.set("below", k[0])?;
         self.set("above", k[1])
     }
 
-    fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
-        let patch = self.controls.set(name, value).map_err(|e| Failure::Failed(e.to_string()))?;
+    fn set(&mut self, name: &str, value: f64) -> Result<(), ToolError> {
+        let patch = self.controls.set(name, value).map_err(|e| ToolError::Failed(e.to_string()))?;
         self.engine.command(EngineCommand::Set(Box::new(Change { params: Vec::new(), patches: vec![patch] })));
         Ok(())
     }
@@ -188,7 +188,7 @@ impl Player {
 
 /// A spring that pulls at each degree of freedom, as much as the parameter `pull` says, and two that hold it near where
 /// it is, as stiff as `below` and `above` say.
-fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result<Scene, Failure> {
+fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result<Scene, ToolError> {
     let mut text = String::from("[param]\n");
     for (param, most) in [("pull", 100), ("below", 10_000), ("above", 10_000)] {
         let _ = writeln!(text, "{param} = {{ value = 0, unit = \"N/m\", live = true, min = 0, max = {most} }}");
@@ -212,5 +212,5 @@ fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result
     let (model, found) = read::read(&text, "conformance", &catalog());
     ca_compile::load::finish(&model, found, &catalog(), &Compile::default())
         .map(|compiled| compiled.scene)
-        .map_err(|d| Failure::Failed(format!("the scene of this test: {:?}", d.list)))
+        .map_err(|d| ToolError::Failed(format!("the scene of this test: {:?}", d.list)))
 }
