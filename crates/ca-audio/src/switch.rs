@@ -4,27 +4,34 @@
 //! device goes away, a message says so and another one plays, or the page; the wanted device is tried every two seconds until it
 //! is back. Without another output the engine goes on at the last rate of the device, and is heard again when the device asks.
 
-use super::super::frontend::Desk;
-use super::super::inputs::Inputs;
-use crate::args::{ClockKind, ServeArgs};
-use crate::outcome::Failure;
-use ca_audio::{AudioError, AudioRequest, EventReader, Opened, Playing};
-use ca_core::Scene;
-use ca_haptic::rt::RtRequest;
+use crate::{AudioError, AudioRequest, EventReader, Opened, Playing};
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Outlet, Patch, outlet};
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 /// The page of `ca play`.
-pub(super) const PAGE: &str = "page";
+pub const PAGE: &str = "page";
 /// A device without a call for this time is gone; a busy machine may stand still for less.
 const GONE: Duration = Duration::from_secs(1);
 /// Between two tries whether it is back.
 const AGAIN: Duration = Duration::from_secs(2);
+
+/// Called with the MIDI port of the output that plays from now on, and with its host.
+pub type Changed<'a> = dyn FnMut(Option<EventReader>, &'static str) + 'a;
+
+/// Outputs among which a [`Switch`] chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SwitchOptions {
+    /// there is a page that can play
+    pub page: bool,
+    /// an output can be chosen
+    pub open: bool,
+    /// a new thread looks for sound devices, besides servers
+    pub devices: bool,
+}
 
 /// Why a device is opened.
 #[derive(Clone, Copy, PartialEq)]
@@ -45,7 +52,7 @@ struct Opening {
 }
 
 /// The output of the sound.
-pub(in super::super) struct Switch {
+pub struct Switch {
     wants: AudioRequest,
     /// there is a page that can play
     page: bool,
@@ -67,16 +74,14 @@ pub(in super::super) struct Switch {
 }
 
 impl Switch {
-    /// Opens the output of `--audio`, or with a `page` a server that runs. Gives the engine's end too, if an output can be chosen.
-    pub(in super::super) fn open(
-        args: &ServeArgs,
-        scene: &Arc<Scene>,
+    /// For an output that is open, with its name, or none; with the end of the engine.
+    pub fn new(
+        wants: AudioRequest,
+        found: Option<(String, Opened)>,
+        options: SwitchOptions,
         recorder: &mut Recorder,
-        page: bool,
-        request: RtRequest,
-    ) -> Result<(Switch, Option<Outlet>), Failure> {
-        let wants = super::request(args, scene, page, request);
-        let found = super::open(args, &wants, page)?;
+    ) -> (Switch, Outlet) {
+        let SwitchOptions { page, open, devices } = options;
         let (mut follow, mut playing) = (None, None);
         let now = match found {
             Some((name, (plays, engine, watch))) => {
@@ -87,7 +92,6 @@ impl Switch {
             None => if page { PAGE } else { "" }.into(),
         };
         let (outlet, patch) = outlet(follow);
-        let open = scene.channels > 0 && args.clock == ClockKind::Monotonic;
         let mut switch = Switch {
             wants,
             page,
@@ -104,37 +108,35 @@ impl Switch {
             choices: None,
         };
         if open {
-            if page || args.audio.is_some() {
-                switch.choices = super::choices(page);
+            if devices {
+                switch.choices = choices(page);
             }
-            recorder.outputs().choices = super::servers(page);
+            recorder.outputs().choices = named(page);
             switch.says(recorder);
         }
-        Ok((switch, (open || args.audio.is_some()).then_some(outlet)))
+        (switch, outlet)
     }
 
     /// The MIDI port of the server, once.
-    pub(in super::super) fn events(&mut self) -> Option<EventReader> {
+    pub fn events(&mut self) -> Option<EventReader> {
         self.playing.as_mut()?.events()
     }
 
     /// From now on it asks.
-    pub(in super::super) fn start(&mut self) -> Result<(), Failure> {
-        Ok(self.playing.as_mut().map_or(Ok(()), Playing::start)?)
+    ///
+    /// # Errors
+    /// If the output does not start.
+    pub fn start(&mut self) -> Result<(), AudioError> {
+        self.playing.as_mut().map_or(Ok(()), Playing::start)
     }
 
     /// The host of the output, if it is not the page.
-    pub(in super::super) fn host(&self) -> Option<&'static str> {
+    pub fn host(&self) -> Option<&'static str> {
         self.playing.as_ref().map(Playing::host)
     }
 
-    /// One turn: what devices complain of, what is asked, what is gone and what is back.
-    pub(in super::super) fn turn(
-        &mut self,
-        recorder: &mut Recorder,
-        inputs: &mut Inputs,
-        mut desk: Option<&mut dyn Desk>,
-    ) {
+    /// One turn: complaints of devices, outputs that are asked for, gone or back. `changed` is called if another output plays.
+    pub fn turn(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         if let Some(playing) = &self.playing {
             for text in playing.complaints() {
                 recorder.say(true, format!("{}: {text}", playing.name()));
@@ -147,17 +149,17 @@ impl Switch {
             recorder.outputs().choices = all;
         }
         if let Some(name) = recorder.outputs().asked.take() {
-            self.asked(&name, recorder, inputs, &mut desk);
+            self.asked(&name, recorder, changed);
         }
         self.look(recorder);
-        self.take(recorder, inputs, &mut desk);
+        self.take(recorder, changed);
         if self.opening.is_some() {
             return;
         }
         if let Some(name) = self.instead.pop_front() {
             self.begin(&name, Why::Instead);
         } else if self.lost && self.page {
-            self.by_page(recorder, inputs, &mut desk);
+            self.by_page(recorder, changed);
         } else if (self.lost || self.now != self.wanted) && Instant::now() >= self.again {
             self.again = Instant::now() + AGAIN;
             let wanted = self.wanted.clone();
@@ -165,13 +167,13 @@ impl Switch {
         }
     }
 
-    fn asked(&mut self, name: &str, recorder: &mut Recorder, inputs: &mut Inputs, desk: &mut Option<&mut dyn Desk>) {
+    fn asked(&mut self, name: &str, recorder: &mut Recorder, changed: &mut Changed) {
         (self.opening, self.instead) = (None, VecDeque::new());
         if name == PAGE && !self.page {
             recorder.outputs().refused = Some("`ca serve` does not have a page; `ca play` does".into());
         } else if name == PAGE {
             self.wanted = PAGE.into();
-            self.by_page(recorder, inputs, desk);
+            self.by_page(recorder, changed);
         } else if name == self.now && !self.lost {
             self.wanted = name.into();
         } else {
@@ -185,7 +187,7 @@ impl Switch {
         let (tell, opened) = channel();
         let (wants, of) = (self.wants.clone(), name.to_owned());
         let thread = std::thread::Builder::new().name("ca opens sound".into()).spawn(move || {
-            let playing = ca_audio::open(&of, &wants).and_then(|mut o| o.0.start().map(|()| o));
+            let playing = crate::open(&of, &wants).and_then(|mut o| o.0.start().map(|()| o));
             let _ = tell.send(playing);
         });
         self.opening = thread.is_ok().then(|| Opening { name: name.into(), why, opened });
@@ -208,13 +210,13 @@ impl Switch {
             };
             recorder.say(true, format!("sound: {} is gone{others}, until it is back", playing.name()));
             if self.opening.is_none() {
-                self.instead = super::servers(false).into_iter().filter(|n| *n != self.now).collect();
+                self.instead = named(false).into_iter().filter(|n| *n != self.now).collect();
             }
         }
     }
 
     /// Takes up what is open.
-    fn take(&mut self, recorder: &mut Recorder, inputs: &mut Inputs, desk: &mut Option<&mut dyn Desk>) {
+    fn take(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         let Some(opening) = &self.opening else { return };
         let opened = match opening.opened.try_recv() {
             Err(TryRecvError::Empty) => return,
@@ -228,10 +230,7 @@ impl Switch {
                     return;
                 }
                 recorder.hears(Some(watch));
-                inputs.served(playing.events());
-                if let Some(desk) = desk {
-                    desk.sounds_by(playing.host());
-                }
+                changed(playing.events(), playing.host());
                 self.leave(Some(playing));
                 self.now = name;
                 if why == Why::Asked {
@@ -254,15 +253,12 @@ impl Switch {
     }
 
     /// The page plays.
-    fn by_page(&mut self, recorder: &mut Recorder, inputs: &mut Inputs, desk: &mut Option<&mut dyn Desk>) {
+    fn by_page(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         if !self.patch.put(None) {
             return;
         }
         recorder.hears(None);
-        inputs.served(None);
-        if let Some(desk) = desk {
-            desk.sounds_by(PAGE);
-        }
+        changed(None, PAGE);
         self.leave(None);
         self.now = PAGE.into();
         recorder.say(false, "sound: by the page, which says how late".into());
@@ -287,11 +283,29 @@ impl Switch {
     }
 
     /// Lets what the engine left be heard.
-    pub(in super::super) fn end(self, rate: f64) {
+    pub fn end(self, rate: f64) {
         match self.playing {
             Some(playing) if self.lost => playing.close(true),
             Some(playing) => playing.end(rate),
             None => {}
         }
     }
+}
+
+/// Names that can be chosen without a look at the machine.
+fn named(page: bool) -> Vec<String> {
+    page.then_some(PAGE).into_iter().chain(crate::servers()).map(Into::into).collect()
+}
+
+/// The same and all sound devices, which a new thread finds; `None` in a build without them.
+fn choices(page: bool) -> Option<Receiver<Vec<String>>> {
+    if !cfg!(feature = "devices") {
+        return None;
+    }
+    let (tell, all) = channel();
+    let look = move || {
+        let page = page.then(|| PAGE.to_owned());
+        let _ = tell.send(page.into_iter().chain(crate::names()).collect());
+    };
+    std::thread::Builder::new().name("ca looks for sound".into()).spawn(look).ok().map(|_| all)
 }

@@ -2,12 +2,12 @@
 //!
 //! Decides that what a disk took before it was full is kept: nobody plays the same twice.
 
-use ca_haptic::serve::{Sink, SinkStreams};
+use super::sink::{Sink, SinkStreams};
 use ca_io::FileError;
 use ca_io::sound::{WavOut, Written};
 
 /// A WAV file. Sound that was lost is silence there, so that the rest stays where it belongs.
-pub(crate) struct Wav {
+pub struct WavSink {
     /// none once it is full
     out: Option<WavOut>,
     channels: usize,
@@ -15,18 +15,22 @@ pub(crate) struct Wav {
     next: Option<u64>,
 }
 
-impl Wav {
+impl WavSink {
     /// From tick 0 on.
-    pub(super) fn new(out: WavOut, channels: usize) -> Wav {
-        Wav { out: Some(out), channels, next: Some(0) }
+    pub fn new(out: WavOut, channels: usize) -> WavSink {
+        WavSink { out: Some(out), channels, next: Some(0) }
     }
 
     /// From the first sound that comes.
-    pub(crate) fn from_now(out: WavOut, channels: usize) -> Wav {
-        Wav { out: Some(out), channels, next: None }
+    pub fn from_now(out: WavOut, channels: usize) -> WavSink {
+        WavSink { out: Some(out), channels, next: None }
     }
 
-    pub(crate) fn finish(self) -> Result<Written, FileError> {
+    /// Finishes the file.
+    ///
+    /// # Errors
+    /// If it cannot be written, or was ended before.
+    pub fn finish(self) -> Result<Written, FileError> {
         self.out.map_or_else(|| Err(FileError::content("it was ended before")), WavOut::finish)
     }
 
@@ -41,7 +45,7 @@ impl Wav {
     }
 }
 
-impl Sink for Wav {
+impl Sink for WavSink {
     fn streams(&self) -> SinkStreams {
         SinkStreams { sound: true, ..SinkStreams::WORDS }
     }
