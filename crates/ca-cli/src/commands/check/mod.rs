@@ -17,6 +17,7 @@ use crate::watch::{LOOK, Watch};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
+use ca_lab::demands::DeviceDemands;
 use ca_lab::facts::border::{crossing, rates};
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
 use ca_lab::facts::{codes, inputs};
@@ -59,17 +60,17 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
     *files = ca_lab::load::part_files(&loaded.model);
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
-    let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure).transpose()?;
+    let rows = scene.as_ref().filter(|_| args.schedule).map(ca_lab::schedule::measure).transpose()?;
     let quiet = args.json || args.watch;
     let levels = scene.as_ref().filter(|_| args.levels).map(|s| levels::levels(s, !quiet)).transpose()?;
-    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::DeviceDemands::new(s, p));
+    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| DeviceDemands::new(s, p));
     if args.json {
         let all = json!({
             "diagnostics": render::json(&diags, &loaded.model),
             "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
             "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
             "levels": levels.as_deref().map(levels::json),
-            "device": asked.as_ref().map(device::DeviceDemands::json),
+            "device": asked.as_ref().map(device::json),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
     } else {
@@ -85,7 +86,7 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
             levels::text(levels)?;
         }
         if let Some(asked) = &asked {
-            asked.text(&mut std::io::stdout().lock())?;
+            device::text(asked, &mut std::io::stdout().lock())?;
         }
     }
     match scene {

@@ -1,10 +1,13 @@
 //! The page of one kind.
 
+use crate::quantity::show;
+use alloc::format;
+use alloc::string::{String, ToString as _};
+use alloc::vec::Vec;
 use ca_core::SOURCES;
 use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_model::quantity::show;
+use core::fmt::Write as _;
 use serde_json::{Value as Json, json};
-use std::fmt::Write as _;
 
 /// Width of the text.
 const WIDTH: usize = 96;
@@ -90,8 +93,8 @@ fn reference(key: &str) -> &'static str {
     SOURCES.iter().find(|s| s.0 == key).map_or("", |s| s.1)
 }
 
-/// For people.
-pub(super) fn text(k: &Kind) -> String {
+/// The page as text.
+pub fn text(k: &Kind) -> String {
     let mut out = format!("{}  {}\n\n    {}\n\n{}", k.code, k.title, k.equation, wrap(k.doc, 0));
     if !k.params.is_empty() {
         out += "\nParameters\n";
@@ -124,8 +127,8 @@ fn indent(text: &str) -> String {
         .join("\n")
 }
 
-/// For programs. Ranges are in SI; `null` where there is no limit.
-pub(super) fn json(k: &Kind) -> Json {
+/// The page for programs. Ranges are in SI; a limit that is missing is `null`.
+pub fn json(k: &Kind) -> Json {
     let params: Vec<Json> = k
         .params
         .iter()

@@ -2,15 +2,14 @@
 //!
 //! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
 
-mod page;
-mod parts;
-
 use crate::args::ListArgs;
 use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_core::Catalog;
 use ca_core::kind::{Kind, Role};
 use ca_lab::catalog;
+use ca_model::page::kind;
+use ca_model::page::part as parts;
 use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Value};
@@ -80,10 +79,10 @@ fn pretty(v: &Json) -> String {
 /// that is called so in upper case only: `bow` is first the part, then the kind BOW.
 fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
     let mut pages: Vec<(String, Json)> = Vec::new();
-    let kind = |code: &str| catalog.get(code).map(|k| (page::text(k), page::json(k)));
-    pages.extend(kind(word));
+    let of_kind = |code: &str| catalog.get(code).map(|k| (kind::text(k), kind::json(k)));
+    pages.extend(of_kind(word));
     if let Some((part, header)) = shipped(word, catalog) {
-        pages.push((parts::page(&part, &header), parts::json(&part, &header)));
+        pages.push((parts::text(&part, &header), parts::json(&part, &header)));
     }
     if let Some(text) = load::bundled(word) {
         let model = read::read(text, word, catalog).0;
@@ -91,7 +90,7 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
     }
     let upper = word.to_ascii_uppercase();
     if upper != word {
-        pages.extend(kind(&upper));
+        pages.extend(of_kind(&upper));
     }
     if !pages.is_empty() {
         let (texts, mut values): (Vec<String>, Vec<Json>) = pages.into_iter().unzip();

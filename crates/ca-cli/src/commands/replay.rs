@@ -3,19 +3,18 @@
 //! Decides that comparing is what a replay is for, so it always does; what differs between plain and `--verify` is only
 //! whether a difference is a failure (a test of a build) or news (another version, another machine).
 
-mod account;
-
 use crate::args::ReplayArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
-use account::Account;
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
+use ca_lab::account::Account;
 use ca_lab::catalog;
 use ca_model::plain::plain;
-use serde_json::json;
-use std::io::Write as _;
+use ca_model::quantity::short;
+use serde_json::{Value, json};
+use std::io::Write;
 
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Outcome {
@@ -74,7 +73,7 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
         writeln!(out, "  {} versions of the model were played{energy}", v.versions)?;
     }
     if let Some(account) = account {
-        account.text(&mut out)?;
+        account_text(account, &mut out)?;
     }
     drop(out);
     if let Some(why) = &v.cut {
@@ -106,8 +105,38 @@ fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<
         "identical": v.is_identical(), "tolerance": v.tolerance, "gesture_frames": v.frames, "device_frames": v.taken, "force_frames": v.forces,
         "samples": v.samples, "hashes": v.hashes, "difference": difference, "hole": v.hole, "cut": v.cut,
         "damaged": v.damaged, "versions": v.versions,
-        "energy": account.map(Account::json),
+        "energy": account.map(account_json),
     });
     writeln!(std::io::stdout().lock(), "{all:#}")?;
     Ok(())
+}
+
+/// The account for people, without rows in which nothing happened.
+fn account_text(account: &Account, out: &mut impl Write) -> std::io::Result<()> {
+    let given = account.sources[0].1;
+    let names = account.sources.iter().chain(&account.sinks).map(|r| r.0.chars().count());
+    let wide = names.max().unwrap_or(0).max(28);
+    for (i, (what, j)) in account.sources.iter().chain(&account.sinks).enumerate() {
+        let lead = if i == 0 { "energy" } else { "" };
+        // what rounding leaves is nothing
+        if i == 0 || j.abs() > 1e-12 * account.peak {
+            let part = if given > 0.0 && i > 0 { format!(" {:>8.3} %", 100.0 * j / given) } else { String::new() };
+            writeln!(out, "  {lead:<10} {what:<wide$} {:>10} mJ{part}", short(1e3 * j))?;
+        }
+    }
+    writeln!(
+        out,
+        "  {:<10} {:<wide$} {:>10.1e} of its peak",
+        "",
+        "not explained",
+        account.residual().abs() / account.peak
+    )
+}
+
+/// The account for programs.
+fn account_json(account: &Account) -> Value {
+    let rows = |list: &[(String, f64)]| list.iter().map(|(n, j)| json!({"what": n, "joules": j})).collect::<Vec<_>>();
+    json!({
+        "sources": rows(&account.sources), "sinks": rows(&account.sinks), "residual": account.residual(), "peak": account.peak,
+    })
 }

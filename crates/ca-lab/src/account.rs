@@ -7,23 +7,21 @@
 use ca_core::state::Ledger;
 use ca_core::{Scene, equivalence::Gains};
 use ca_haptic::engine::{Engine, Port};
-use ca_model::quantity::short;
-use serde_json::{Value, json};
-use std::io::Write;
 
 /// The rows \[J\], and what they do not explain.
-pub(super) struct Account {
+#[derive(Clone, Debug)]
+pub struct Account {
     /// what came in: given by the hands, added by guard and device, made by the border, from other ports, by changes
-    sources: Vec<(String, f64)>,
+    pub sources: Vec<(String, f64)>,
     /// where it is: lost in links and masses, stored, taken by the scheme
-    sinks: Vec<(String, f64)>,
+    pub sinks: Vec<(String, f64)>,
     /// largest energy stored and lost so far
-    peak: f64,
+    pub peak: f64,
 }
 
 impl Account {
     /// Of an engine that keeps the energy ledger; `None` where it does not.
-    pub(super) fn of(engine: &Engine) -> Option<Account> {
+    pub fn of(engine: &Engine) -> Option<Account> {
         let scene = &engine.scene;
         let ledger = engine.state.ledger.as_ref()?;
         let scale = scene.equivalence.of("").energy();
@@ -49,40 +47,9 @@ impl Account {
     }
 
     /// What no row explains \[J\].
-    fn residual(&self) -> f64 {
+    pub fn residual(&self) -> f64 {
         let sum = |rows: &[(String, f64)]| rows.iter().map(|r| r.1).sum::<f64>();
         sum(&self.sources) - sum(&self.sinks)
-    }
-
-    /// For people. A row in which nothing happened is not there.
-    pub(super) fn text(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let given = self.sources[0].1;
-        let names = self.sources.iter().chain(&self.sinks).map(|r| r.0.chars().count());
-        let wide = names.max().unwrap_or(0).max(28);
-        for (i, (what, j)) in self.sources.iter().chain(&self.sinks).enumerate() {
-            let lead = if i == 0 { "energy" } else { "" };
-            // what rounding leaves is nothing
-            if i == 0 || j.abs() > 1e-12 * self.peak {
-                let part = if given > 0.0 && i > 0 { format!(" {:>8.3} %", 100.0 * j / given) } else { String::new() };
-                writeln!(out, "  {lead:<10} {what:<wide$} {:>10} mJ{part}", short(1e3 * j))?;
-            }
-        }
-        writeln!(
-            out,
-            "  {:<10} {:<wide$} {:>10.1e} of its peak",
-            "",
-            "not explained",
-            self.residual().abs() / self.peak
-        )
-    }
-
-    /// For programs.
-    pub(super) fn json(&self) -> Value {
-        let rows =
-            |list: &[(String, f64)]| list.iter().map(|(n, j)| json!({"what": n, "joules": j})).collect::<Vec<_>>();
-        json!({
-            "sources": rows(&self.sources), "sinks": rows(&self.sinks), "residual": self.residual(), "peak": self.peak,
-        })
     }
 }
 

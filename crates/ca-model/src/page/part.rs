@@ -2,14 +2,17 @@
 //!
 //! Decides that a page is made of what the part declares and its author wrote above it, as that of a kind is of the catalog.
 
+use crate::part::Part;
+use crate::part::library::{LIBRARY, shipped};
+use crate::{Entry, Item, Value};
+use alloc::format;
+use alloc::string::{String, ToString as _};
+use alloc::vec::Vec;
 use ca_core::Catalog;
-use ca_model::part::Part;
-use ca_model::part::library::{LIBRARY, shipped};
-use ca_model::{Entry, Item, Value};
+use core::fmt::Write as _;
 use serde_json::{Value as Json, json};
-use std::fmt::Write as _;
 
-/// Their names, a line about each.
+/// A line about each part that comes with the program.
 pub fn all(catalog: &Catalog) -> String {
     let width = LIBRARY.iter().map(|p| p.0.len()).max().unwrap_or(0);
     let about = |name: &str| shipped(name, catalog).map(|p| p.0.doc).unwrap_or_default();
@@ -17,17 +20,18 @@ pub fn all(catalog: &Catalog) -> String {
     LIBRARY.iter().map(line).collect()
 }
 
+/// The same for programs.
 pub fn all_json(catalog: &Catalog) -> Json {
     let one = |(name, _): &(&str, &str)| Some(json!({"name": name, "doc": shipped(name, catalog)?.0.doc}));
     Json::Array(LIBRARY.iter().filter_map(one).collect())
 }
 
-/// What one is for, its parameters, and how it is used.
-pub fn page(part: &Part, header: &str) -> String {
+/// The page as text: purpose, parameters, ports and an example. `header` is the comment above the part.
+pub fn text(part: &Part, header: &str) -> String {
     let mut out = format!("{}: {}\n\n{}\n\nParameters\n", part.name, part.doc, header);
     let width = part.body.params.iter().map(|p| p.key.chars().count()).max().unwrap_or(0);
     for p in &part.body.params {
-        let _ = writeln!(out, "  {:<width$}  {}; {}", p.key, text(field(p, "doc")), default(p));
+        let _ = writeln!(out, "  {:<width$}  {}; {}", p.key, word(field(p, "doc")), default(p));
     }
     let ports = ports(part);
     if !ports.is_empty() {
@@ -49,10 +53,11 @@ pub fn page(part: &Part, header: &str) -> String {
     out
 }
 
+/// The page for programs.
 pub fn json(part: &Part, header: &str) -> Json {
     let param = |p: &Entry| {
-        let word = |key: &str| field(p, key).map(|v| text(Some(v)));
-        json!({"name": p.key, "doc": word("doc"), "unit": word("unit"), "default": value(p).map(|v| text(Some(v)))})
+        let told = |key: &str| field(p, key).map(|v| word(Some(v)));
+        json!({"name": p.key, "doc": told("doc"), "unit": told("unit"), "default": value(p).map(|v| word(Some(v)))})
     };
     let params: Vec<Json> = part.body.params.iter().map(param).collect();
     let ports: Vec<Json> = ports(part)
@@ -100,11 +105,11 @@ fn ports(part: &Part) -> Vec<Port> {
         let unit = if item.kind == "ENF" { "N" } else { "m" };
         let number = |v: Option<Value>| match v.map(meant) {
             Some(Value::Num(x)) => format!("{x} {unit}"),
-            other => other.map_or(format!("0 {unit}"), |v| text(Some(&v))),
+            other => other.map_or(format!("0 {unit}"), |v| word(Some(&v))),
         };
         let way = match of(&item.args, "midi") {
             Some(Value::Table(m)) => {
-                let by = |key: &str| of(&m, key).map(|v| text(Some(&v)));
+                let by = |key: &str| of(&m, key).map(|v| word(Some(&v)));
                 let notes = by("note").is_some();
                 let by = match (by("note"), by("cc")) {
                     (Some(note), _) => format!("by the note `{note}`"),
@@ -121,10 +126,10 @@ fn ports(part: &Part) -> Vec<Port> {
 }
 
 fn default(p: &Entry) -> String {
-    let unit = field(p, "unit").map(|u| format!(" [{}]", text(Some(u)))).unwrap_or_default();
+    let unit = field(p, "unit").map(|u| format!(" [{}]", word(Some(u)))).unwrap_or_default();
     match (value(p), field(p, "port")) {
-        (Some(v), _) => format!("default {}{unit}", text(Some(v))),
-        (None, Some(port)) => format!("driven by the port `{}`{unit}", text(Some(port))),
+        (Some(v), _) => format!("default {}{unit}", word(Some(v))),
+        (None, Some(port)) => format!("driven by the port `{}`{unit}", word(Some(port))),
         (None, None) => format!("required{unit}"),
     }
 }
@@ -143,12 +148,12 @@ fn field<'p>(p: &'p Entry, key: &str) -> Option<&'p Value> {
     table.iter().find(|e| e.key == key).map(|e| &e.value)
 }
 
-fn text(v: Option<&Value>) -> String {
+fn word(v: Option<&Value>) -> String {
     match v {
         Some(Value::Text(t)) => t.clone(),
         Some(Value::Num(x)) => x.to_string(),
         Some(Value::Bool(b)) => b.to_string(),
-        Some(Value::List(l)) => format!("[{}]", l.iter().map(|e| text(Some(&e.value))).collect::<Vec<_>>().join(", ")),
+        Some(Value::List(l)) => format!("[{}]", l.iter().map(|e| word(Some(&e.value))).collect::<Vec<_>>().join(", ")),
         _ => String::new(),
     }
 }
