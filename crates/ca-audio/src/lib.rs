@@ -3,13 +3,14 @@
 //!
 //! Neither server needs anything when this is built: libjack is loaded at run time, and PulseAudio is spoken to by its socket. A
 //! machine without them runs the same program. The clock of the engine follows what plays ([`ca_haptic::serve::audio`]). A scene
-//! is never converted to another rate.
+//! is never converted to another rate. [`Switch`] changes the output while the model plays.
 
 #[cfg(feature = "devices")]
 mod device;
 mod events;
 mod jack;
 mod pulse;
+mod switch;
 
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
@@ -20,6 +21,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+pub use switch::{Changed, PAGE, Switch, SwitchOptions};
 
 /// Name of the JACK server.
 pub const JACK: &str = "jack";

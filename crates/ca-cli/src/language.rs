@@ -1,8 +1,8 @@
 //! The language of models, for sessions.
 
-use crate::commands::render::stability;
 use ca_core::Scene;
 use ca_core::live::LiveParam;
+use ca_lab::facts::certificate::stability;
 use ca_model::{quantity, suggest};
 use ca_session::Language;
 

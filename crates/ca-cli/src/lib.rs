@@ -12,7 +12,6 @@ mod load;
 mod outcome;
 mod outputs;
 mod page;
-mod store;
 mod term;
 mod watch;
 

@@ -4,6 +4,7 @@
 //! code that is stands in one place, `main`.
 
 use crate::term;
+use ca_device_tools::ToolError;
 use ca_haptic::host::{HostError, HostErrorKind};
 
 /// How a command ended where it did not fail.
@@ -68,6 +69,17 @@ impl From<HostError> for Failure {
         match e.kind {
             HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
             _ => Failure::Failed(e.to_string()),
+        }
+    }
+}
+
+impl From<ToolError> for Failure {
+    fn from(e: ToolError) -> Failure {
+        match e {
+            ToolError::Usage(what) => Failure::Usage(what),
+            ToolError::Failed(what) => Failure::Failed(what),
+            ToolError::Host(e) => e.into(),
+            ToolError::File(e) => e.into(),
         }
     }
 }

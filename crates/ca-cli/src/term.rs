@@ -3,8 +3,10 @@
 //! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
 //! where stderr is closed.
 
+use ca_device_tools::Message;
 use ca_model::diag::{Diags, Severity};
 use ca_model::plain::plain;
+use ca_model::quantity::short;
 use ca_model::{Model, render};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
@@ -38,6 +40,14 @@ pub fn note(text: &str) {
     lead("note", "36", text);
 }
 
+/// A message of a tool.
+pub fn message(message: Message) {
+    match message {
+        Message::Note(text) => note(&text),
+        Message::Warning(text) => warning(&text),
+    }
+}
+
 /// Whether the page of a finding is still to be named; that is done once in a run.
 static EXPLAINING: AtomicBool = AtomicBool::new(false);
 
@@ -57,15 +67,6 @@ pub fn findings(diags: &Diags, model: &Model) {
     {
         let _ = writeln!(err, "`ca explain {}` says more", d.code);
     }
-}
-
-/// Three significant digits.
-pub fn short(v: f64) -> String {
-    if !v.is_finite() || v == 0.0 {
-        return v.to_string();
-    }
-    let digits = 2 - v.abs().log10().floor() as i32;
-    if (0..=4).contains(&digits) { format!("{v:.*}", digits as usize) } else { format!("{v:.2e}") }
 }
 
 /// A time \[s\] in the unit in which people count it.

@@ -99,6 +99,14 @@ pub fn shown(word: &str) -> String {
         + rest
 }
 
+/// The words of the system, as part of a sentence.
+pub fn reason(e: &std::io::Error) -> String {
+    let s = e.to_string();
+    let s = s.split(" (os error").next().unwrap_or(&s);
+    let mut c = s.chars();
+    c.next().map(|a| a.to_lowercase().chain(c).collect()).unwrap_or_default()
+}
+
 /// The libraries below us begin their messages with a capital.
 pub fn lower(s: &str) -> String {
     let mut c = s.chars();

@@ -7,16 +7,20 @@
 //! here: real time and devices (`ca-haptic`), and derivatives (`ca-gradient`). A program that plays scenes needs `cordis-anima` alone.
 #![forbid(unsafe_code)]
 
+pub mod account;
 pub mod accuracy;
 pub mod batch;
 pub mod bench;
 pub mod bytes;
+pub mod demands;
+pub mod facts;
 pub mod fit;
 pub mod gesture;
 pub mod load;
 pub mod outcome;
 mod pitch;
 pub mod play;
+pub mod schedule;
 pub mod sweep;
 pub mod take;
 pub mod timing;

@@ -7,10 +7,12 @@ use crate::Failure;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_core::kind::cloud::Unread;
+pub use ca_io::error::reason;
 use ca_model::diag::{Diags, Severity};
 use ca_model::part::instances;
 use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
+pub use ca_model::suggest::listed as ticked;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
 use cordis_anima::loaded;
@@ -39,14 +41,6 @@ pub fn mims_text(path: &Path) -> Result<String, Failure> {
 /// Where the file cannot be read, is too large or no text.
 pub fn text(path: &Path) -> Result<String, Failure> {
     Ok(loaded::text(path)?)
-}
-
-/// What the system says, as part of a sentence.
-pub fn reason(e: &std::io::Error) -> String {
-    let s = e.to_string();
-    let s = s.split(" (os error").next().unwrap_or(&s);
-    let mut c = s.chars();
-    c.next().map(|a| a.to_lowercase().chain(c).collect()).unwrap_or_default()
 }
 
 /// Whether a path has this extension, whatever its case.
@@ -241,16 +235,6 @@ pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Fail
 
 fn keys(item: &Item) -> Option<Vec<&'static str>> {
     Some(catalog().get(&item.kind)?.params.iter().map(|p| p.name).collect())
-}
-
-/// `a`, `b`, `c`, at most a dozen
-pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
-    let mut list: Vec<String> = words.map(|w| format!("`{w}`")).collect();
-    if list.len() > 12 {
-        list.truncate(12);
-        list.push("…".into());
-    }
-    list.join(", ")
 }
 
 /// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.

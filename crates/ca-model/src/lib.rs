@@ -24,6 +24,8 @@ pub mod explain;
 pub mod generate;
 mod model;
 pub mod names;
+#[cfg(feature = "parse")]
+pub mod page;
 pub mod part;
 pub mod plain;
 pub mod quantity;

@@ -28,6 +28,16 @@ pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
 }
 
+/// The first twelve words, and a mark if there are more.
+pub fn listed<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let mut list: Vec<String> = words.map(|w| format!("`{w}`")).collect();
+    if list.len() > 12 {
+        list.truncate(12);
+        list.push("…".into());
+    }
+    list.join(", ")
+}
+
 fn distance(a: &str, b: &str) -> Option<usize> {
     if a.eq_ignore_ascii_case(b) {
         return Some(usize::from(a != b));

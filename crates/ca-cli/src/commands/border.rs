@@ -1,47 +1,18 @@
-//! What a hand may expect of a scene: how late force and sound answer, and what its keys ask of a device.
-//!
-//! Decides to say it in the same words wherever it is said, and only of what the model settles: the loop of a device
-//! and the buffers of a sound card come on top.
+//! What a hand may expect of a scene, printed: how late force and sound answer, and what its keys ask of a device.
 
 use crate::args::Source;
 use crate::outcome::Failure;
 use crate::term;
-use crate::term::short;
 use ca_core::Scene;
 use ca_core::border::{Delays, delays};
-use ca_core::equivalence::Scale;
-use ca_core::kind::Unit;
-use ca_core::op::layout::{Enx, Shape};
-use ca_core::scene::certificate::Key;
-use ca_core::state::{Exchange, Ledger};
-use ca_model::quantity::{show, six};
+use ca_core::op::layout::Shape;
+use ca_lab::facts::border::{asked, latency, quantity};
+use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
 /// Keys that are reported one by one.
 const KEYS: usize = 5;
-
-fn ms(seconds: f64) -> String {
-    format!("{} ms", short(seconds * 1e3))
-}
-
-/// One line on delays; nothing for a scene that has none.
-pub(crate) fn latency(scene: &Scene) -> Option<String> {
-    let d = delays(scene);
-    let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
-    if scene.tgr.is_empty() {
-        return filter.is_some().then(|| format!("sound {} late by the filter of the outputs", ms(d.filter)));
-    }
-    let force = if scene.crossing.feedback { ms(d.force) } else { "never".into() };
-    let mut notes: Vec<String> = Vec::new();
-    if scene.crossing.latency > 0 {
-        let s = if scene.crossing.latency == 1 { "" } else { "s" };
-        notes.push(format!("{} frame{s} of it `latency`", scene.crossing.latency));
-    }
-    notes.extend(filter);
-    let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
-    Some(format!("gesture to force {force}, gesture to sound {}{notes}", ms(d.sound)))
-}
 
 /// Lines on the delays of a scene.
 pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
@@ -51,46 +22,7 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The two rates of a scene, and how many ticks a sample has where it has several.
-pub(crate) fn rates(scene: &Scene) -> String {
-    let hertz = |f: f64| show(six(f), Unit::HERTZ);
-    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.ratio)));
-    format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
-}
-
-/// What is said behind a sound rate of a sample of so many ticks.
-pub(crate) fn ticks(times: u32) -> String {
-    if times > 1 { format!(" in {times} ticks a sample") } else { String::new() }
-}
-
-/// How the border works, for a scene that has one.
-pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
-    if scene.tgr.is_empty() {
-        return Ok(());
-    }
-    let how = match (scene.frame, scene.crossing.shape) {
-        (1, _) => "one tick a frame, the force of the tick",
-        (_, Shape::Linear) => "positions in a line through the frame, force its mean",
-        (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
-    };
-    writeln!(out, "  border     {how}")?;
-    Ok(())
-}
-
-/// Keys whose force reaches the hand, stiffest first.
-fn rendered_keys(scene: &Scene) -> Vec<&Key> {
-    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|k| scene.crossing.feedback && k.k > 0.0).collect();
-    keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
-    keys
-}
-
-/// What the keys ask of a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
-pub(crate) fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
-    let (d, keys) = (delays(scene), rendered_keys(scene));
-    keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
-}
-
-/// The same in words.
+/// What the keys ask of a device.
 pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     let (d, keys) = (delays(scene), asked(scene));
     let mut lead = "keys       ";
@@ -108,29 +40,6 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
         writeln!(out, "             1 N s/m bears {most}, or {less} where the device takes each force a frame later")?;
     }
     Ok(())
-}
-
-/// How a key with a scale of its own differs from the others, for people.
-pub(crate) fn scale_of(k: &Scale) -> String {
-    let (g, h) = (short(k.position), short(k.force));
-    if k.is_lever() {
-        return format!("a lever of {g}: positions and forces × {g}, energy as everywhere");
-    }
-    let (gain, inverse) = (short(k.force / k.position), short(k.position / k.force));
-    format!(
-        "no lever but an amplifier of energy: positions × {g}, forces × {h}; a joule of the model is {gain} times what it \
-         is at the other keys, so energy given here comes out there × {inverse}"
-    )
-}
-
-/// What a spring of the model on this key is in the hand.
-fn felt_as(scene: &Scene, key: &Key) -> f64 {
-    key.k * scene.equivalence.of(&key.name).stiffness()
-}
-
-/// Three digits of a stiffness.
-pub(crate) fn quantity(k: f64) -> String {
-    show(short(k).parse().unwrap_or(k), Unit::STIFFNESS)
 }
 
 /// All of it for programs.
@@ -157,14 +66,6 @@ fn shape(scene: &Scene) -> &'static str {
         Shape::Linear => "linear",
         Shape::Hold => "hold",
     }
-}
-
-/// Name of each device key, what the scene received there and what the hand gave, in joules of the hand.
-pub(crate) fn exchanged<'a>(scene: &'a Scene, ledger: &Ledger) -> Vec<(&'a str, f64, f64)> {
-    let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
-    let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());
-    let row = |p: &Enx, e: &Exchange| (name(p.input), e.received * joules(p.input), e.given * joules(p.input));
-    scene.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
 }
 
 /// Says so where something was asked of a border that is not there.

@@ -1,5 +1,5 @@
-//! The commands, a file or folder each with `run`; `control.rs` has the five that speak to a running server. `border.rs` and
-//! `inputs.rs` hold words that several of them share.
+//! The commands, a file or folder each with `run`; `control.rs` has the five that speak to a running server. `border.rs` holds
+//! lines that several of them print.
 
 pub mod accuracy;
 pub mod bench;
@@ -12,7 +12,6 @@ pub mod equiv;
 pub mod explain;
 pub mod fit;
 pub mod import;
-mod inputs;
 pub mod list;
 pub mod log;
 pub mod modes;

@@ -3,7 +3,6 @@
 //! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
 //! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
 
-use super::border;
 use crate::args::ModesArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
@@ -11,6 +10,7 @@ use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_io::atomic_file::AtomicFile;
 use ca_lab::catalog;
+use ca_lab::facts::border::ticks;
 use ca_model::quantity::Plain;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -88,7 +88,7 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
         "{name}: {} places that move, {swings} modes that swing, at {} Hz{}",
         network.names.len(),
         rate(network).round(),
-        border::ticks(network.oversample)
+        ticks(network.oversample)
     )?;
     if !network.left_out.is_empty() {
         writeln!(out, "  no linear links, so not part of it: {}", left_out(network))?;

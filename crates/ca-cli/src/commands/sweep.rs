@@ -9,6 +9,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_lab::sweep::folder::Folder;
 use ca_lab::sweep::plan::{self, Plan};
+use ca_model::quantity::short;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -59,7 +60,7 @@ pub fn run(args: &SweepArgs) -> Outcome {
             out,
             "  {}; {} ms a run and thread",
             list.join(", "),
-            term::short(1e3 * wall * threads as f64 / runs as f64)
+            short(1e3 * wall * threads as f64 / runs as f64)
         )?;
     }
     let what = if whole { "all runs are there: `manifest.parquet`" } else { "other parts are not there yet" };

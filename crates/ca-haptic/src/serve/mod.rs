@@ -14,6 +14,8 @@
 mod async_sink;
 pub mod audio;
 mod clock;
+#[cfg(feature = "mcap")]
+mod kept;
 mod live;
 mod loops;
 mod recorder;
@@ -21,14 +23,20 @@ mod sink;
 mod summary;
 #[cfg(feature = "mcap")]
 mod taken;
+#[cfg(feature = "system")]
+mod wav_sink;
 
 #[cfg(feature = "system")]
 pub use async_sink::{AsyncSink, BufferLimits, SinkHandle};
 pub use clock::{Clock, Start};
+#[cfg(feature = "mcap")]
+pub use kept::Kept;
 pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
 pub use recorder::Recorder;
 pub use sink::{Notice, Sink, SinkStreams};
 pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
+#[cfg(feature = "system")]
+pub use wav_sink::WavSink;
 
 use crate::engine::EngineCommand;
 use crate::frame::{DeviceFrame, ForceFrame};

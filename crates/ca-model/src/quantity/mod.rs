@@ -15,5 +15,5 @@ mod value;
 pub use ca_core::numeric::Plain;
 pub use note::{near_note, note, note_name, note_number, note_of};
 pub use read::{is_quantity, parse, product};
-pub use show::{rounded, show, six, unit_of};
+pub use show::{rounded, short, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

@@ -20,6 +20,20 @@ pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.0$e}", digits.max(1) - 1).parse().unwrap_or(value)
 }
 
+/// `value` to three digits, as text; with an exponent where it is large or small.
+///
+/// ```
+/// use ca_model::quantity::short;
+/// assert_eq!((short(0.0123456), short(12.3456), short(123_456.0)), ("0.0123".into(), "12.3".into(), "1.23e5".into()));
+/// ```
+pub fn short(value: f64) -> String {
+    if !value.is_finite() || value == 0.0 {
+        return value.to_string();
+    }
+    let digits = 2 - libm::floor(libm::log10(value.abs())) as i32;
+    if (0..=4).contains(&digits) { format!("{value:.*}", digits as usize) } else { format!("{value:.2e}") }
+}
+
 /// The shortest text for `value` (in SI) in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
 /// `8 kN/m`. [`parse`](super::parse) gives the identical bits back. What is not finite has no such text and is written `inf`, `nan`.
 pub fn show(value: f64, unit: Unit) -> String {

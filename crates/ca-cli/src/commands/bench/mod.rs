@@ -9,6 +9,7 @@ use crate::args::BenchArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page as pages, term};
 use ca_lab::bench::{self, Fits, Instrument, NETWORKS, Network, PAPER, RATES, SIZES, Size};
+use ca_model::quantity::short;
 use ca_model::suggest::nearest;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -89,7 +90,7 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
 /// As cells: name, modules at each rate, time of a module.
 fn row(f: &Fits) -> [String; 4] {
     let [a, b] = f.at;
-    [f.name.into(), a.modules.to_string(), b.modules.to_string(), term::short(a.ns / a.modules.max(1) as f64)]
+    [f.name.into(), a.modules.to_string(), b.modules.to_string(), short(a.ns / a.modules.max(1) as f64)]
 }
 
 /// As cells: name, modules, how many at once at each rate, time of a sample at the lowest rate that it plays at.
@@ -101,7 +102,7 @@ fn instrument(i: &Instrument) -> [String; 5] {
         size.map_or_else(String::new, |s| s.modules.to_string()),
         a,
         b,
-        size.map_or_else(String::new, |s| term::short(s.ns)),
+        size.map_or_else(String::new, |s| short(s.ns)),
     ]
 }
 
@@ -144,8 +145,8 @@ fn text(m: &Measured) -> Result<(), Failure> {
         )?;
     }
     for (s, bytes) in &m.curve {
-        let [each, bytes] = [s.ns, *bytes].map(|ns| term::short(ns / s.modules.max(1) as f64));
-        writeln!(out, "  {:>10} {:>12} {each:>12} {bytes:>14}", s.modules, term::short(s.ns))?;
+        let [each, bytes] = [s.ns, *bytes].map(|ns| short(ns / s.modules.max(1) as f64));
+        writeln!(out, "  {:>10} {:>12} {each:>12} {bytes:>14}", s.modules, short(s.ns))?;
     }
     Ok(())
 }

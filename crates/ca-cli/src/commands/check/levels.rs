@@ -1,11 +1,12 @@
 //! How loud each output is when the model plays by itself, and which gain would make it as loud as a sound should be.
 
-use super::super::render::{decibel, level, play};
+use super::super::render::play;
 use crate::outcome::Failure;
 use crate::term;
-use crate::term::short;
 use ca_core::Scene;
 use ca_io::perform::Performance;
+use ca_lab::facts::level::{decibel, level};
+use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

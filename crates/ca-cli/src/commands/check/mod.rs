@@ -8,17 +8,20 @@ mod levels;
 mod schedule;
 
 use crate::args::CheckArgs;
-use crate::commands::render::{contacting, deepening, opened, rippling, stability, stability_json};
-use crate::commands::{border, inputs};
+use crate::commands::border;
+use crate::commands::render::stability_json;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
-use crate::term::short;
 use crate::watch::{LOOK, Watch};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
-use ca_model::quantity::Plain;
+use ca_lab::demands::DeviceDemands;
+use ca_lab::facts::border::{crossing, rates};
+use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
+use ca_lab::facts::{codes, inputs};
+use ca_model::quantity::{Plain, short};
 use ca_model::{quantity, render};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -52,22 +55,22 @@ pub fn run(args: &CheckArgs) -> Outcome {
 }
 
 fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
-    let profile = args.device.as_deref().map(crate::store::profile).transpose()?;
+    let profile = args.device.as_deref().map(ca_device_tools::store::profile).transpose()?;
     let loaded = load::load(&args.source)?;
     *files = ca_lab::load::part_files(&loaded.model);
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
-    let rows = scene.as_ref().filter(|_| args.schedule).map(schedule::measure).transpose()?;
+    let rows = scene.as_ref().filter(|_| args.schedule).map(ca_lab::schedule::measure).transpose()?;
     let quiet = args.json || args.watch;
     let levels = scene.as_ref().filter(|_| args.levels).map(|s| levels::levels(s, !quiet)).transpose()?;
-    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| device::DeviceDemands::new(s, p));
+    let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| DeviceDemands::new(s, p));
     if args.json {
         let all = json!({
             "diagnostics": render::json(&diags, &loaded.model),
             "summary": scene.as_ref().map(|s| summary_json(&loaded, s)),
             "schedule": scene.as_ref().zip(rows.as_ref()).map(|(s, r)| schedule::json(s, r)),
             "levels": levels.as_deref().map(levels::json),
-            "device": asked.as_ref().map(device::DeviceDemands::json),
+            "device": asked.as_ref().map(device::json),
         });
         writeln!(std::io::stdout().lock(), "{all:#}")?;
     } else {
@@ -83,7 +86,7 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
             levels::text(levels)?;
         }
         if let Some(asked) = &asked {
-            asked.text(&mut std::io::stdout().lock())?;
+            device::text(asked, &mut std::io::stdout().lock())?;
         }
     }
     match scene {
@@ -92,18 +95,6 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
         Some(_) if asked.is_some_and(|a| a.too_much()) => Ok(Ended::Degraded),
         Some(_) => Ok(Ended::Well),
     }
-}
-
-/// How many modules of each code run, in order of first appearance.
-pub(crate) fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
-    let mut list: Vec<(&'static str, usize)> = Vec::new();
-    for s in &scene.symbols {
-        match list.iter_mut().find(|c| c.0 == s.code) {
-            Some(c) => c.1 += 1,
-            None => list.push((s.code, 1)),
-        }
-    }
-    list
 }
 
 fn ops(scene: &Scene) -> usize {
@@ -138,7 +129,7 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let [min, max] = [p.min, p.max].map(|v| quantity::show(v, p.unit));
         writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
     }
-    writeln!(out, "  rates      {}, {} ticks a frame", border::rates(scene), scene.frame)?;
+    writeln!(out, "  rates      {}, {} ticks a frame", rates(scene), scene.frame)?;
     if let Some(group) = &scene.slow {
         let how = if group.compensated {
             ", compensated: what is not known of a frame is expected from those before, which is not proven"
@@ -151,7 +142,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
             group.masses, group.links, group.coupled
         )?;
     }
-    border::crossing(&mut out, scene)?;
+    if let Some(how) = crossing(scene) {
+        writeln!(out, "  border     {how}")?;
+    }
     border::text(&mut out, scene)?;
     border::keys(&mut out, scene)?;
     let c = &scene.certificate;

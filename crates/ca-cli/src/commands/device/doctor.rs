@@ -1,250 +1,34 @@
-//! `ca device doctor`: whether this machine can play, and what helps.
-//!
-//! Decides to try rather than to guess: shared memory by a device and a server that talk to each other, real time by
-//! asking for it and reading back what was granted, the timer by a second of gesture frames. What is not as it should be
-//! comes with one thing to do. Only shared memory that does not work is a failure: everything else costs punctuality.
+//! `ca device doctor`: looks at this machine, and prints what it lacks.
 
-use super::about;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::term;
-use ca_haptic::frame::{DeviceFrame, ForceFrame};
-use ca_haptic::host::control::{Request, ask};
-use ca_haptic::host::gateway::list_devices;
-use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, stale_shm};
-use ca_haptic::profile::Profile;
-use ca_haptic::rt::{self, RtRequest, Waits, now_ns};
-use ca_haptic::stats::{Percentiles, Times};
+use ca_device_tools::doctor;
 use serde_json::json;
-use std::fs;
 use std::io::Write as _;
-use std::time::Duration;
-
-/// Gesture frame of most models \[ns\].
-const PERIOD: u64 = 333_333;
-/// Frames of a second.
-const FRAMES: u64 = 3000;
-/// Frames that go round through shared memory.
-const ROUNDS: u64 = 200;
-
-/// How a thing is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum State {
-    Good,
-    Poor,
-    Bad,
-}
-
-/// One thing that was looked at.
-struct CheckRow {
-    state: State,
-    what: &'static str,
-    found: String,
-    fix: String,
-}
-
-impl CheckRow {
-    fn good(what: &'static str, found: impl Into<String>) -> CheckRow {
-        CheckRow { state: State::Good, what, found: found.into(), fix: String::new() }
-    }
-    fn poor(what: &'static str, found: impl Into<String>, fix: impl Into<String>) -> CheckRow {
-        CheckRow { state: State::Poor, what, found: found.into(), fix: fix.into() }
-    }
-    fn bad(what: &'static str, e: &HostError) -> CheckRow {
-        CheckRow { state: State::Bad, what, found: e.what.clone(), fix: e.fix.clone() }
-    }
-}
 
 /// Runs the command.
 pub fn run(asked: bool) -> Outcome {
-    let mut rows = Vec::new();
-    match Site::of_user() {
-        Ok(site) => {
-            rows.push(CheckRow::good("place", format!("{}, yours alone", site.root().display())));
-            rows.push(left_over(&site));
-            rows.push(match round(&site) {
-                Ok(t) => CheckRow::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
-                Err(e) => CheckRow::bad("memory", &e),
-            });
-            rows.extend(others(&site));
-        }
-        Err(e) => rows.push(CheckRow::bad("place", &e)),
-    }
-    rows.extend(limits());
-    let second = std::thread::Builder::new()
-        .name("ca doctor".into())
-        .spawn(second)
-        .map_err(|e| Failure::Failed(format!("no thread: {e}")))?;
-    let (granted, late, over) = second.join().map_err(|_| Failure::Failed("the timer thread ended".into()))?;
-    rows.push(if granted.refused.is_empty() {
-        CheckRow::good("real time", granted.to_string())
-    } else {
-        let fix = "give your user `rtprio 95`, `memlock unlimited` and `nice -11` in /etc/security/limits.conf, and log in again";
-        CheckRow::poor("real time", granted.to_string(), fix)
-    });
-    let reported = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
-    rows.push(if over <= FRAMES / 100 {
-        CheckRow::good("timer", reported)
-    } else {
-        CheckRow::poor(
-            "timer",
-            reported,
-            "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`",
-        )
-    });
-
+    let found = doctor::examine()?;
     let mut out = std::io::stdout().lock();
     if asked {
-        let rows: Vec<_> = rows
+        let rows: Vec<_> = found
+            .rows
             .iter()
-            .map(|r| json!({"what": r.what, "state": name(r.state), "found": r.found, "fix": r.fix}))
+            .map(|r| json!({"what": r.what, "state": r.state.name(), "found": r.found, "fix": r.fix}))
             .collect();
-        let usable = rows.iter().all(|r| r["state"] != "bad");
-        let v = json!({"usable": usable, "rows": rows, "late_us": late, "late_by_a_frame": over});
+        let v = json!({
+            "usable": found.is_usable(), "rows": rows, "late_us": found.late, "late_by_a_frame": found.late_by_a_frame,
+        });
         writeln!(out, "{v:#}")?;
     } else {
-        for r in &rows {
-            writeln!(out, "{:<5}{:<11}{}", name(r.state), r.what, r.found)?;
+        for r in &found.rows {
+            writeln!(out, "{:<5}{:<11}{}", r.state.name(), r.what, r.found)?;
             if !r.fix.is_empty() {
                 writeln!(out, "     {:<11}{}", "", r.fix)?;
             }
         }
     }
-    if rows.iter().any(|r| r.state == State::Bad) {
+    if !found.is_usable() {
         return Err(Failure::Failed("devices cannot be played on this machine as it is".into()));
     }
     Ok(Ended::Well)
-}
-
-fn name(state: State) -> &'static str {
-    match state {
-        State::Good => "good",
-        State::Poor => "poor",
-        State::Bad => "bad",
-    }
-}
-
-fn times(t: &Percentiles) -> String {
-    let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(term::short);
-    format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
-}
-
-/// What others left behind.
-fn left_over(site: &Site) -> CheckRow {
-    let groups = stale_shm::list(site);
-    let dead: Vec<String> = groups
-        .iter()
-        .filter(|g| !g.ours && g.alive.is_empty())
-        .map(|g| format!("{} files of frames {} over iceoryx2 {}", g.files.len(), g.frames, g.iox))
-        .collect();
-    let swept = site.sweep();
-    if swept.left > 0 {
-        let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
-        return CheckRow::poor("stale shared memory", found, "`ca shm clean`");
-    }
-    if dead.is_empty() {
-        CheckRow::good("stale shared memory", "none")
-    } else {
-        CheckRow::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
-    }
-}
-
-/// Frames there and back between a device and a server, both here, through shared memory.
-fn round(site: &Site) -> Result<Percentiles, HostError> {
-    let name = format!("doctor-{}", std::process::id());
-    let profile = Profile { dof: 1, axes: 1, ..Profile::shipped("unknown").unwrap_or_else(|| unreachable!()) };
-    let mut device = DeviceClient::open(site, about(&name, &profile))?;
-    let mut server = Gateway::open(site, &[&name])?;
-    let (mut frame, mut force) = (DeviceFrame::new(&name, 1), ForceFrame::new(&name, 1));
-    let mut times = Times::new();
-    (force.session, force.ttl_us) = (1, 5000);
-    for n in 1..=ROUNDS {
-        let begin = now_ns();
-        frame.pos[0] = n as f64;
-        device.send(&mut frame)?;
-        let mut came = None;
-        server.poll(&mut |_, f| came = Some(f));
-        let answer = came.filter(|f| f.pos[0] == n as f64).and_then(|f| {
-            (force.seq, force.ack_session, force.ack) = (n, f.session, f.seq);
-            force.t_host_ns = now_ns();
-            server.send(0, &force);
-            device.force().filter(|f| f.seq == n)
-        });
-        if answer.is_none() {
-            return Err(HostError {
-                kind: HostErrorKind::System,
-                what: format!("frame {n} of {ROUNDS} did not come back through shared memory"),
-                fix: "see whether /dev/shm is full: `df /dev/shm`".into(),
-            });
-        }
-        times.add(now_ns() - begin);
-    }
-    Ok(times.percentiles())
-}
-
-/// Who is here.
-fn others(site: &Site) -> Vec<CheckRow> {
-    let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
-        Ok(r) => CheckRow::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
-        Err(e) if e.kind == HostErrorKind::Absent => CheckRow::good("server", "none runs; `ca serve MODEL` is one"),
-        Err(e) => CheckRow::poor("server", e.what, e.fix),
-    };
-    let devices = match list_devices(site, Duration::from_millis(1500)) {
-        Ok(list) if list.is_empty() => CheckRow::good("devices", "none speaks"),
-        Ok(list) => {
-            let names: Vec<_> = list.iter().map(|a| ca_haptic::frame::text(&a.device)).collect();
-            CheckRow::good("devices", names.join(", "))
-        }
-        Err(e) => CheckRow::poor("devices", e.what, e.fix),
-    };
-    vec![server, devices]
-}
-
-/// What the system says of itself.
-fn limits() -> Vec<CheckRow> {
-    let mut rows = Vec::new();
-    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    rows.push(if cores >= 2 {
-        CheckRow::good("cores", cores.to_string())
-    } else {
-        CheckRow::poor("cores", cores.to_string(), "engine and gateway want a core each: expect frames that begin late")
-    });
-    let read = |path: &str| fs::read_to_string(path).ok().map(|t| t.trim().to_string());
-    if let Some(limits) = read("/proc/self/limits") {
-        let of = |name: &str| {
-            let line = limits.lines().find(|l| l.starts_with(name))?;
-            line[name.len()..].split_whitespace().next().map(str::to_owned)
-        };
-        let all = [of("Max locked memory"), of("Max realtime priority"), of("Max nice priority")];
-        let [lock, priority, nice] = all.map(|v| v.unwrap_or_else(|| "?".into()));
-        // the system counts from the other end
-        let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
-        let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
-        rows.push(CheckRow::good("limits", found));
-    }
-    let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
-    if let Some(governor) = governor.filter(|g| g != "performance") {
-        let fix = "`cpupower frequency-set -g performance` while you play";
-        rows.push(CheckRow::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
-    }
-    if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
-        rows.push(CheckRow::good(
-            "throttle",
-            format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
-        ));
-    }
-    rows
-}
-
-/// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
-fn second() -> (rt::Granted, Percentiles, u64) {
-    let granted = rt::ask(RtRequest { priority: Some(70), lock: true, ..RtRequest::default() });
-    let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
-    let start = now_ns();
-    for n in 1..=FRAMES {
-        let due = start + n * PERIOD;
-        let by = waits.until(due) - due;
-        late.add(by);
-        over += u64::from(by > PERIOD);
-    }
-    (granted, late.percentiles(), over)
 }

@@ -1,12 +1,11 @@
 //! `ca device list`: who speaks at this place, and what can be named with `--profile`.
 
-use crate::outcome::{Ended, Failure, Outcome};
-use crate::term::short;
-use crate::{load, store};
+use crate::outcome::{Ended, Outcome};
+use ca_device_tools::store;
 use ca_haptic::frame::{About, text};
 use ca_haptic::host::Site;
 use ca_haptic::host::gateway::list_devices;
-use ca_haptic::profile::{Profile, SHIPPED};
+use ca_model::quantity::short;
 use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;
@@ -18,7 +17,7 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 pub fn run(asked: bool) -> Outcome {
     let site = Site::of_user()?;
     let devices = list_devices(&site, PATIENCE)?;
-    let profiles = profiles()?;
+    let profiles = store::profiles()?;
     let mut out = std::io::stdout().lock();
     if asked {
         let devices: Vec<_> = devices.iter().map(value).collect();
@@ -45,21 +44,6 @@ pub fn run(asked: bool) -> Outcome {
         writeln!(out, "  {:<17}{:>2} x {travel:>4} mm {force:>5} N {rate:>4} Hz  {}{own}", p.name, p.dof, p.title)?;
     }
     Ok(Ended::Well)
-}
-
-/// Profiles by name: those that come with us, and the user's own, which take their place.
-fn profiles() -> Result<Vec<(Profile, bool)>, Failure> {
-    let mut list: Vec<(Profile, bool)> =
-        SHIPPED.iter().filter_map(|(name, _)| Some((Profile::shipped(name)?, false))).collect();
-    let own = std::fs::read_dir(store::dir().join("profiles")).into_iter().flatten().flatten();
-    let mut files: Vec<_> = own.map(|f| f.path()).filter(|p| load::has_extension(p, "toml")).collect();
-    files.sort();
-    for path in files {
-        let p = Profile::read(&load::text(&path)?, &path.display().to_string())?;
-        list.retain(|l| l.0.name != p.name);
-        list.push((p, true));
-    }
-    Ok(list)
 }
 
 fn value(a: &About) -> serde_json::Value {

@@ -1,25 +1,23 @@
 //! `ca play`: a model in the browser.
 //!
-//! This is `ca serve` with a page: a session ([`ca_session`]) answers the requests of the page. Here are its page ([`desk`]),
-//! its compiler ([`edit`]) and its files ([`keep`]).
+//! This is `ca serve` with a page: a session ([`ca_session`]) answers the requests of the page. Here are its page ([`desk`])
+//! and its compiler ([`edit`]); its files are written by [`ca_play::Keep`].
 
 mod browser;
 mod desk;
 mod edit;
-mod keep;
 
 use crate::args::PlayArgs;
 use crate::commands::serve::{self, Frontend, Opening};
 use crate::language::ModelLanguage;
 use crate::outcome::{Failure, Outcome};
 use crate::term;
-use ca_haptic::serve::Sink;
-use ca_play::Page;
+use ca_haptic::serve::{Kept, Sink};
+use ca_play::{Keep, Page, TapeSink};
 use ca_session::{Language as _, PageSink, Parts, Session};
 use ca_view::Drawing;
 use desk::Desk;
 use edit::Compiler;
-use keep::{Keep, Kept, TapeSink};
 use std::any::Any;
 use std::sync::Arc;
 

@@ -7,11 +7,8 @@
 mod play;
 mod summary;
 
-pub(crate) use play::{listen, play, stopped};
-pub(crate) use summary::{
-    Divergence, contacting, decibel, deepening, fitting, grows, joule, level, makers, opened, relative, rippling,
-    stability, stability_json, tenths, too_loud,
-};
+pub(crate) use play::{Progress, listen, play, stopped};
+pub(crate) use summary::stability_json;
 
 use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
 use crate::commands::border;
@@ -29,7 +26,7 @@ use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
 use ca_lab::gesture;
-use ca_lab::play::Length;
+use ca_lab::play::{Divergence, Length};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 

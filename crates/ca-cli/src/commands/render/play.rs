@@ -32,8 +32,8 @@ pub(crate) fn listen() {
 /// What is done with outputs.
 pub(crate) type Sink<'a> = dyn FnMut(&Performance, &[f64]) -> Result<(), Failure> + 'a;
 
-/// The bar of a render that takes longer than somebody would wait, and whether it goes on.
-struct Progress {
+/// The progress bar of a play longer than half a second, and whether the play goes on.
+pub(crate) struct Progress {
     bar: Option<ProgressBar>,
     begin: Instant,
     frames: u64,
@@ -41,29 +41,28 @@ struct Progress {
 }
 
 impl Progress {
-    fn new(frames: u64, show: bool) -> Progress {
+    pub(crate) fn new(frames: u64, show: bool) -> Progress {
         Progress { bar: None, begin: Instant::now(), frames, show }
     }
 
-    fn step(&mut self, done: u64) -> Result<(), Failure> {
+    /// Shows how much is done. False after Ctrl-C.
+    pub(crate) fn goes_on(&mut self, done: u64) -> bool {
         if self.show && self.bar.is_none() && self.begin.elapsed() > PATIENCE {
             self.bar = Some(term::progress(self.frames));
         }
         if let Some(bar) = &self.bar {
             bar.set_position(done);
         }
-        // what is not finished removes itself
-        if stopped() {
-            if let Some(bar) = &self.bar {
-                bar.finish_and_clear();
-            }
-            return Err(Failure::Interrupted("interrupted: nothing was written".into()));
+        let goes_on = !stopped();
+        if !goes_on {
+            self.end();
         }
-        Ok(())
+        goes_on
     }
 
-    fn end(self) {
-        if let Some(bar) = self.bar {
+    /// Takes the bar away.
+    pub(crate) fn end(&mut self) {
+        if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
         }
     }
@@ -80,7 +79,8 @@ pub(crate) fn play<'a>(
     let mut progress = Progress::new(length.frames, show);
     let played = ca_lab::play::play(p, length, block, &mut |p, rows, done| {
         heard(p, rows)?;
-        progress.step(done)
+        // what is not finished removes itself
+        if progress.goes_on(done) { Ok(()) } else { Err(Failure::from(ca_lab::Failure::Stopped)) }
     })?;
     progress.end();
     Ok(played)

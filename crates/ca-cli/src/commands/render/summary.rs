@@ -3,30 +3,25 @@
 use super::Probe;
 use super::play::Audit;
 use crate::args::RenderArgs;
-use crate::commands::{border, inputs};
+use crate::commands::border;
 use crate::load::ticked;
 use crate::outcome::Failure;
 use crate::term;
-use crate::term::short;
 use ca_core::Scene;
 use ca_core::kind::Unit;
-use ca_core::scene::certificate::{Certificate, Level};
-use ca_core::scene::growth::Growth;
-use ca_core::state::Ledger;
+use ca_core::scene::certificate::Certificate;
 use ca_io::ending::Ended;
 use ca_io::slow::EDGE;
 use ca_io::sound::Written;
-pub(crate) use ca_lab::play::{Divergence, relative};
-use ca_lab::play::{gain, made, unbalanced};
-use ca_model::quantity::{rounded, show, six};
+use ca_lab::facts::border::{exchanged, scale_of};
+use ca_lab::facts::certificate::stability;
+use ca_lab::facts::energy::{compensated, grows, joule, makers};
+use ca_lab::facts::inputs;
+use ca_lab::facts::level::{FAR, SILENT, decibel, fitting, level, too_loud};
+use ca_lab::play::{Divergence, gain, made, relative, unbalanced};
+use ca_model::quantity::{short, show, six};
 use serde_json::{Value as Json, json};
 use std::time::Duration;
-
-/// A peak from which on the loudness is not the question, 40 dB over full scale.
-const FAR: f64 = 100.0;
-
-/// A peak below which nobody hears anything at any gain, 200 dB below full scale.
-const SILENT: f64 = 1e-10;
 
 /// Modules that are named in a line.
 const NAMED: usize = 3;
@@ -53,45 +48,10 @@ pub(crate) struct Summary<'a> {
     pub probes: &'a [Probe],
 }
 
-/// What would make the loudest sample fit, as the end of a sentence.
-pub(crate) fn fitting(peak: f64) -> String {
-    format!("; multiply the gain of the outputs by {} or less", short(gain(peak)))
-}
-
-/// So many samples were cut off.
-pub(crate) fn too_loud(n: u64) -> String {
-    let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
-    format!("{samples} beyond full scale, cut off")
-}
-
-pub(crate) fn decibel(peak: f64) -> f64 {
-    20.0 * peak.log10()
-}
-
-/// A peak in words: by its level, but for what no sound card or file could hold.
-pub(crate) fn level(peak: f64, diverged: bool) -> String {
-    match peak {
-        p if p < SILENT => "silent".into(),
-        p if p > FAR && diverged => "diverged".into(),
-        p if p > 1.0 / SILENT => "over 200 dBFS".into(),
-        p => format!("{} dBFS", tenths(decibel(p))),
-    }
-}
-
-/// One decimal, and no minus before nothing.
-pub(crate) fn tenths(v: f64) -> String {
-    format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
-}
-
 /// A word for a shell.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "._-=/+".contains(c);
     if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
-}
-
-pub(crate) fn joule(v: f64) -> String {
-    // no minus before nothing
-    format!("{} J", short(v + 0.0))
 }
 
 impl Summary<'_> {
@@ -283,11 +243,11 @@ impl Summary<'_> {
             )?;
         }
         writeln!(out, "    stored   {}", joule(b.h))?;
-        for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
+        for (name, received, given) in exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
             writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} by the delay")?;
             if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
-                writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
+                writeln!(out, "             `{name}` is {}", scale_of(scale))?;
             }
         }
         Ok(())
@@ -306,7 +266,7 @@ impl Summary<'_> {
             let b = a.ledger.balance();
             let makers: Vec<Json> =
                 makers(self.audited, &a.ledger, 5).iter().map(|(n, v)| json!({"link": n, "made": v})).collect();
-            let hands: Vec<Json> = border::exchanged(self.scene, &a.ledger)
+            let hands: Vec<Json> = exchanged(self.scene, &a.ledger)
                 .iter()
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
@@ -337,75 +297,6 @@ impl Summary<'_> {
         writeln!(out, "{all:#}")?;
         Ok(())
     }
-}
-
-/// How a model could grow though its links made no energy to speak of, as the end of a sentence.
-pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
-    let b = ledger.balance();
-    let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
-    if kept && scene.certificate.level == Level::Unstable {
-        ": above the limit of stability motion grows though no energy is made"
-    } else {
-        ""
-    }
-}
-
-/// True where groups at the gesture rate have a border that may make energy.
-fn compensated(scene: &Scene) -> bool {
-    scene.slow.as_ref().is_some_and(|g| g.compensated)
-}
-
-/// The links that made most energy, so many of them, most first.
-pub(crate) fn makers(scene: &Scene, ledger: &Ledger, most: usize) -> Vec<(String, f64)> {
-    let mut made: Vec<(usize, f64)> =
-        ledger.scheme_error.iter().copied().enumerate().filter(|(_, v)| *v > 0.0).collect();
-    made.sort_by(|a, b| b.1.total_cmp(&a.1));
-    made.into_iter().filter_map(|(i, v)| Some((scene.audited_name(i)?.into_owned(), v))).take(most).collect()
-}
-
-/// One line.
-pub(crate) fn stability(c: &Certificate) -> String {
-    let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
-    let margin = if c.margin().is_finite() { format!("margin {}", short(c.margin())) } else { "no limit".into() };
-    let silent = match &c.not_judged[..] {
-        [] => String::new(),
-        list if list.len() <= NAMED => {
-            format!("; not judged, since nothing hears it: {}", ticked(list.iter().map(String::as_str)))
-        }
-        list => {
-            let first = ticked(list[..NAMED].iter().map(String::as_str));
-            format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
-        }
-    };
-    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
-    format!("{}{by}, {margin}{worst}{silent}", c.level)
-}
-
-/// The stiffest explicit contact, and what such contacts were measured to make.
-pub(crate) fn contacting(c: &Certificate) -> Option<String> {
-    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
-    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
-}
-
-/// Links that are judged at rest only.
-pub(crate) fn opened(c: &Certificate) -> Option<String> {
-    let names = ticked(c.open.iter().map(String::as_str));
-    (!c.open.is_empty())
-        .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
-}
-
-/// What the energy of a linearised scene may do, in words.
-pub(crate) fn rippling(ripple: f64) -> String {
-    format!(
-        "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",
-        short(100.0 * ripple)
-    )
-}
-
-/// Of contacts that grow with their depth, which is too steep first, and where.
-pub(crate) fn deepening((name, depth): &(String, f64)) -> String {
-    let depth = show(rounded(*depth, 3), Unit::METRE);
-    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")
 }
 
 /// What is proven, for programs.

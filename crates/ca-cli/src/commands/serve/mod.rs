@@ -11,18 +11,18 @@ mod inputs;
 mod setup;
 mod summary;
 mod talk;
-mod wav;
 
 use crate::args::{ClockKind, ServeArgs};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
+use ca_audio::Switch;
 use ca_compile::Options;
 use ca_haptic::coupling;
 use ca_haptic::engine::Engine;
 use ca_haptic::guard::Order;
 use ca_haptic::rt::{self, RtRequest};
 use ca_haptic::serve::{
-    AsyncSink, BufferLimits, Clock, Live, Notice, RecordIntervals, Recorder, Shared, Sink, SinkStreams, rings,
+    AsyncSink, BufferLimits, Clock, Live, Notice, RecordIntervals, Recorder, Shared, Sink, SinkStreams, WavSink, rings,
 };
 use ca_haptic::take::{Header, TakeWriter};
 use ca_io::FileError;
@@ -35,7 +35,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-pub(crate) use wav::Wav;
 
 /// Between two turns of the recorder, and the most that inputs, and then pages, take of one.
 const TURN: Duration = Duration::from_millis(2);
@@ -106,7 +105,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         Some(path) if scene.channels > 0 => {
             load::check_wav_path(path)?;
             let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels), room, busy)?)
+            Some(aside(&mut sinks, "ca sound", WavSink::new(out, scene.channels), room, busy)?)
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
@@ -146,7 +145,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     for text in softened {
         recorder.say(true, text);
     }
-    let (mut sound, outlet) = audio::Switch::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?;
+    let (mut sound, outlet) = audio::open(args, &scene, &mut recorder, page.is_some(), rt_request(args, -5))?;
     ends.audio = outlet;
     let events = sound.events();
     let mut inputs = Inputs::open(args, &scene, page.is_some(), events)?;
@@ -220,7 +219,7 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         term::error(&e.to_string());
         summary.broken.push(e.to_string());
     };
-    let written = wav.map(|w| w.end().and_then(|w| w.map(wav::Wav::finish).transpose()));
+    let written = wav.map(|w| w.end().and_then(|w| w.map(WavSink::finish).transpose()));
     let written = written.and_then(|w| w.map_err(&mut broken).ok().flatten());
     let finished = take.map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
     let finished = finished.and_then(|t| t.map_err(&mut broken).ok().flatten());
@@ -313,13 +312,17 @@ fn attend(
     talk: &mut talk::Talk,
     inputs: &mut Inputs,
     mut desk: Option<&mut Box<dyn Desk>>,
-    sound: &mut audio::Switch,
+    sound: &mut Switch,
     shared: &Arc<Shared>,
 ) -> std::thread::Result<Engine> {
     let mut turns = 0_u64;
     while !thread.is_finished() {
-        let desk_of = desk.as_deref_mut().map(|d| &mut **d as &mut dyn Desk);
-        sound.turn(recorder, inputs, desk_of);
+        sound.turn(recorder, &mut |events, host| {
+            inputs.served(events);
+            if let Some(desk) = &mut desk {
+                desk.sounds_by(host);
+            }
+        });
         recorder.poll();
         let sweep = turns.is_multiple_of(SWEEP);
         let asked = match &mut desk {

@@ -2,8 +2,9 @@
 
 use crate::args::ServeArgs;
 use crate::outcome::Failure;
-use crate::{store, term};
+use crate::term;
 use ca_core::Scene;
+use ca_device_tools::store;
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
 use ca_haptic::profile::Profile;
@@ -24,7 +25,7 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec
     }
     let (mut setups, mut unknown) = (Vec::new(), Vec::new());
     for device in names {
-        let mut profile = store::profile_of(&device, &args.profile)?;
+        let mut profile = store::profile_of(&device, &args.profile, &mut term::message)?;
         let calibration = store::calibration_of(&device, &args.calibration)?;
         let wanted = dofs(scene, &device);
         let far: Vec<&str> = beyond(scene, &device).map(|i| i.name.as_str()).collect();

@@ -1,12 +1,11 @@
 //! What is reported at the end of a performance.
 
-use crate::term::short;
 use ca_core::kind::Unit;
 use ca_haptic::serve::Summary;
 use ca_haptic::stats::Percentiles;
 use ca_haptic::take;
 use ca_io::sound::Written;
-use ca_model::quantity::{show, six};
+use ca_model::quantity::{short, show, six};
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
 use std::path::Path;

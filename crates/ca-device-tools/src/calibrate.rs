@@ -1,0 +1,157 @@
+//! Calibration: from the readings of a device to metres.
+//!
+//! Two readings a degree of freedom, at the stops, give scale, offset and direction, because the profile has the distance of the
+//! stops. A [`Reader`] takes the lines of the only server, so no engine gives forces meanwhile, and it sends none. A reading is
+//! the median of many frames while the hand holds the device still. An axis without readings keeps the calibration it had.
+
+use crate::ToolError;
+use ca_haptic::calibration::{Axis, Calibration};
+use ca_haptic::frame::{DeviceFrame, text};
+use ca_haptic::host::gateway::list_devices;
+use ca_haptic::host::{Gateway, Site};
+use ca_haptic::profile::Profile;
+use std::time::{Duration, Instant};
+
+/// Frames of a reading.
+const READING: usize = 100;
+/// Longest wait for them.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// Largest motion at a stop while it is read, as part of the way between the stops.
+const STILL: f64 = 0.02;
+
+/// The profile of a device whose profile says nothing: completed by the words of the device, if it speaks.
+///
+/// # Errors
+/// If the words of the device make no profile.
+pub fn described(name: &str, profile: Profile) -> Result<Profile, ToolError> {
+    if !profile.is_unknown() {
+        return Ok(profile);
+    }
+    // one that speaks says itself how many axes it has and how far its stops are apart
+    let heard = Site::of_user().and_then(|site| list_devices(&site, PATIENCE)).unwrap_or_default();
+    match heard.iter().find(|a| text(&a.device) == name) {
+        Some(about) => profile.described(about).map_err(|e| ToolError::Failed(format!("`{name}`: {e}"))),
+        None => Ok(profile),
+    }
+}
+
+/// The calibration of a device by the low and the high stop of each axis; an axis without stops keeps its `old` calibration.
+///
+/// # Errors
+/// If two stops make no line, or an axis has neither stops nor a calibration.
+pub fn calibration(
+    device: &str,
+    by: String,
+    stops: &[Option<[f64; 2]>],
+    profile: &Profile,
+    old: &Calibration,
+) -> Result<Calibration, ToolError> {
+    let mut axes = Vec::new();
+    for (k, stops) in stops.iter().enumerate() {
+        axes.push(match stops {
+            Some(stops) => {
+                axis(*stops, profile, old.axis.get(k)).map_err(|e| ToolError::Failed(format!("axis {k}: {e}")))?
+            }
+            None => *old.axis.get(k).ok_or_else(|| {
+                ToolError::Failed(format!("axis {k} was skipped and has no calibration to keep; nothing is written"))
+            })?,
+        });
+    }
+    Ok(Calibration { device: device.into(), by, axis: axes })
+}
+
+/// The line through two stops; the factor of forces stays.
+///
+/// # Errors
+/// If the stops are not two numbers.
+pub fn axis([low, high]: [f64; 2], profile: &Profile, old: Option<&Axis>) -> Result<Axis, String> {
+    let [a, b] = profile.range;
+    let scale = (b - a) / (high - low);
+    if !(scale.is_finite() && low.is_finite() && scale != 0.0) {
+        return Err(format!(
+            "it says {low} at its low stop and {high} at its high one: two different numbers are needed"
+        ));
+    }
+    Ok(Axis { scale, offset: a - scale * low, force: old.map_or(1.0, |o| o.force) })
+}
+
+/// Reading of an axis at a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StopReading {
+    /// median
+    pub position: f64,
+    /// motion while it was read
+    pub moved: f64,
+}
+
+/// Both stops of an axis; `None` if one moved while it was read, or they are one place.
+pub fn stops(low: StopReading, high: StopReading) -> Option<[f64; 2]> {
+    let way = (low.position - high.position).abs();
+    (way > 0.0 && low.moved.max(high.moved) <= STILL * way).then_some([low.position, high.position])
+}
+
+/// The lines of a device that is read.
+pub struct Reader {
+    lines: Gateway,
+    name: String,
+}
+
+impl Reader {
+    /// Takes the lines of a server, and waits until the device speaks.
+    ///
+    /// # Errors
+    /// If the lines are taken, or the device does not speak.
+    pub fn open(name: &str) -> Result<Reader, ToolError> {
+        let mut reader = Reader { lines: Gateway::open(&Site::of_user()?, &[name])?, name: name.into() };
+        reader.frames()?;
+        Ok(reader)
+    }
+
+    /// Reads axis `k` where the device is now.
+    ///
+    /// # Errors
+    /// If the device does not speak any more.
+    pub fn stop(&mut self, k: usize) -> Result<StopReading, ToolError> {
+        // frames of before are in the queue
+        self.lines.poll(&mut |_, _| {});
+        let mut x: Vec<f64> = self.frames()?.iter().map(|f| f.pos[k]).collect();
+        x.sort_by(f64::total_cmp);
+        Ok(StopReading { position: x[x.len() / 2], moved: x[x.len() - 1] - x[0] })
+    }
+
+    /// Frames of the device from now on.
+    fn frames(&mut self) -> Result<Vec<DeviceFrame>, ToolError> {
+        let (mut frames, end) = (Vec::new(), Instant::now() + PATIENCE);
+        while frames.len() < READING {
+            self.lines.poll(&mut |_, f| frames.push(f));
+            if Instant::now() > end {
+                let what =
+                    format!("`{}` sent {} frames in {PATIENCE:?}; {READING} are needed", self.name, frames.len());
+                let fix = "start the device, `ca device list` shows those that speak";
+                return Err(ToolError::Failed(format!("{what}; {fix}")));
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        Ok(frames)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_stops_make_a_line_in_either_direction() {
+        let p = Profile::shipped("tgr12").expect("shipped");
+        for stops in [[0.0, 4095.0], [4095.0, 0.0], [-0.3, 0.7]] {
+            let a = axis(stops, &p, Some(&Axis { force: 3.0, ..Axis::default() })).expect("a line");
+            for (s, x) in stops.iter().zip(p.range) {
+                assert!((a.scale * s + a.offset - x).abs() < 1e-15, "{stops:?}");
+            }
+            assert_eq!(a.force, 3.0);
+        }
+        for bad in [[1.0, 1.0], [f64::NAN, 1.0], [0.0, f64::INFINITY]] {
+            assert!(axis(bad, &p, None).is_err(), "{bad:?}");
+        }
+    }
+}

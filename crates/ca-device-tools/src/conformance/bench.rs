@@ -1,0 +1,216 @@
+//! An engine of its own for one device: the real engine, guard and gateway, in one thread, with a scene that pulls a
+//! little at each degree of freedom.
+
+use crate::ToolError;
+use ca_compile::Options as Compile;
+use ca_core::Scene;
+use ca_core::live::Controls;
+use ca_haptic::calibration::Calibration;
+use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Setup};
+use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
+use ca_haptic::guard::Order;
+use ca_haptic::host::{Event, Gateway, HostError, Site, session};
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{Waits, now_ns};
+use ca_model::read;
+use cordis_anima::catalog;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// Frames of the device that are looked at in a phase.
+pub(super) const LOOK: usize = 200;
+/// Engine frames of a phase at rest.
+pub(super) const REST: u32 = 600;
+/// How long a device may take for its first word, and for a phase \[ns\].
+pub(super) const PATIENCE: u64 = 5_000_000_000;
+
+/// How often forces are tried to be on: a machine that is busy trips watchdogs, which is not the device's fault.
+pub(super) const TRIES: u32 = 8;
+
+/// How far the known spring is from where the device is, at most \[m\], and as part of its travel.
+const STRETCH: [f64; 2] = [0.002, 0.1];
+
+/// Where the springs of the scene end, beyond the hand \[m\]: so far that their force hardly depends on where it is.
+const REACH: f64 = 1.0;
+
+/// One device, and what passed between it and us.
+pub struct Bench {
+    lines: Gateway,
+    name: String,
+    calibration: Calibration,
+    /// frames of the device since [`Bench::forget`], positions in metres
+    pub frames: Vec<DeviceFrame>,
+    /// force frames sent since then
+    pub sent: Vec<ForceFrame>,
+    /// frames of other versions or devices
+    pub foreign: u64,
+    due: f64,
+    waits: Waits,
+}
+
+/// An engine, and the parameter of its scene.
+pub struct Player {
+    pub engine: Engine,
+    controls: Controls,
+    period: f64,
+    /// where the two known springs of each degree of freedom are at rest, on either side of where the device was \[m\]
+    pub rest: [[f64; DOF]; 2],
+    /// how far that is \[m\]
+    pub stretch: f64,
+}
+
+impl Bench {
+    /// Takes the lines of a server.
+    pub fn open(site: &Site, name: &str, calibration: Calibration) -> Result<Bench, HostError> {
+        Ok(Bench {
+            lines: Gateway::open(site, &[name])?,
+            name: name.into(),
+            calibration,
+            frames: Vec::new(),
+            sent: Vec::new(),
+            foreign: 0,
+            due: 0.0,
+            waits: Waits::default(),
+        })
+    }
+
+    /// What the device says of itself.
+    pub fn about(&self) -> Option<About> {
+        self.lines.about(0).copied()
+    }
+
+    /// Begins a new phase.
+    pub fn forget(&mut self) {
+        self.poll(&mut |_| {});
+        self.frames.clear();
+        self.sent.clear();
+        self.due = now_ns() as f64;
+    }
+
+    fn poll(&mut self, each: &mut dyn FnMut(DeviceFrame)) {
+        let (frames, calibration) = (&mut self.frames, &self.calibration);
+        self.lines.poll(&mut |_, f| {
+            let mut real = f;
+            calibration.positions(&mut real.pos);
+            frames.push(real);
+            each(f);
+        });
+        while let Some((_, event)) = self.lines.event() {
+            self.foreign += u64::from(matches!(event, Event::Foreign(_)));
+        }
+    }
+
+    /// Listens without a word until so many frames came, or for so long \[ns\].
+    pub fn listen(&mut self, frames: usize, patience: u64) {
+        let end = now_ns() + patience;
+        while self.frames.len() < frames && now_ns() < end {
+            self.poll(&mut |_| {});
+            self.waits.sleep(now_ns() + 200_000);
+        }
+    }
+
+    /// So many frames of an engine, at its rate.
+    pub fn play(&mut self, player: &mut Player, frames: u32) {
+        for _ in 0..frames {
+            self.due += player.period;
+            let now = self.waits.until(self.due as u64) as f64;
+            // late by more than a frame: what was missed is not made up for
+            if now > self.due + player.period {
+                self.due = now;
+            }
+            let engine = &mut player.engine;
+            self.poll(&mut |mut f| {
+                engine.take(0, &mut f);
+            });
+            let out = engine.answer().next().copied();
+            if let Some(mut out) = out {
+                self.send(&mut out);
+            }
+            player.engine.finish();
+        }
+    }
+
+    /// A force frame as it is, stamped with the time.
+    pub fn send(&mut self, frame: &mut ForceFrame) {
+        frame.t_host_ns = now_ns();
+        self.lines.send(0, frame);
+        self.sent.push(*frame);
+    }
+
+    /// Mode and cause of the last force.
+    pub fn mode(&self) -> (Mode, Cause) {
+        self.sent.last().map_or((Mode::Off, Cause::Disarmed), |f| (Mode::read(f.mode), Cause::read(f.cause)))
+    }
+
+    /// An engine whose scene has the device where it is now.
+    pub fn player(&self, profile: &Profile) -> Result<Player, ToolError> {
+        let x = self.frames.last().map_or([0.0; DOF], |f| f.pos);
+        let [low, high] = profile.range;
+        let stretch = STRETCH[0].min(STRETCH[1] * (high - low));
+        let rest = [x.map(|x| x - stretch), x.map(|x| x + stretch)];
+        let scene = Arc::new(scene(&self.name, profile.dof as usize, &x, &rest)?);
+        let setup = Setup {
+            device: self.name.clone(),
+            profile: profile.clone(),
+            calibration: self.calibration.clone(),
+            gains: Vec::new(),
+        };
+        let port = Port::new(&scene, setup);
+        let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.ratio) / scene.rate);
+        let own = Options { session: session(), ..Options::default() };
+        Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period, rest, stretch })
+    }
+}
+
+impl Player {
+    /// Forces on, or off.
+    pub fn order(&mut self, order: Order) {
+        self.engine.command(EngineCommand::Order(None, order));
+    }
+
+    /// Pulls at each degree of freedom with so much \[N\].
+    pub fn pull(&mut self, force: f64) -> Result<(), ToolError> {
+        self.set("pull", force / REACH)
+    }
+
+    /// Holds each degree of freedom by springs of this stiffness \[N/m\], at rest at [`Player::rest`].
+    pub fn springs(&mut self, k: [f64; 2]) -> Result<(), ToolError> {
+        self.set("below", k[0])?;
+        self.set("above", k[1])
+    }
+
+    fn set(&mut self, name: &str, value: f64) -> Result<(), ToolError> {
+        let patch = self.controls.set(name, value).map_err(|e| ToolError::Failed(e.to_string()))?;
+        self.engine.command(EngineCommand::Set(Box::new(Change { params: Vec::new(), patches: vec![patch] })));
+        Ok(())
+    }
+}
+
+/// A spring that pulls at each degree of freedom, as much as the parameter `pull` says, and two that hold it near where
+/// it is, as stiff as `below` and `above` say.
+fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result<Scene, ToolError> {
+    let mut text = String::from("[param]\n");
+    for (param, most) in [("pull", 100), ("below", 10_000), ("above", 10_000)] {
+        let _ = writeln!(text, "{param} = {{ value = 0, unit = \"N/m\", live = true, min = 0, max = {most} }}");
+    }
+    text += "[TGR]\n";
+    for (k, x) in x.iter().enumerate().take(n) {
+        let _ = writeln!(text, "d{k} = {{ device = \"{name}\", dof = {k}, x = {x:e} }}");
+    }
+    text += "[SOL]\n";
+    for (k, x) in x.iter().enumerate().take(n) {
+        let [below, above] = [rest[0][k], rest[1][k]];
+        let _ = writeln!(text, "far{k} = {{ x = {:e} }}\nlow{k} = {{ x = {below:e} }}", x + REACH);
+        let _ = writeln!(text, "high{k} = {{ x = {above:e} }}");
+    }
+    text += "[RES]\n";
+    for k in 0..n {
+        for (to, param) in [("far", "pull"), ("low", "below"), ("high", "above")] {
+            let _ = writeln!(text, "{to}_{k} = {{ between = [\"d{k}\", \"{to}{k}\"], k = \"{param}\", l0 = 0 }}");
+        }
+    }
+    let (model, found) = read::read(&text, "conformance", &catalog());
+    ca_compile::load::finish(&model, found, &catalog(), &Compile::default())
+        .map(|compiled| compiled.scene)
+        .map_err(|d| ToolError::Failed(format!("the scene of this test: {:?}", d.list)))
+}

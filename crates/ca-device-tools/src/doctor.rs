@@ -1,0 +1,262 @@
+//! Checks of this machine, with a remedy for each that fails.
+//!
+//! Each check is a trial: a device and a server exchange frames through shared memory, a thread asks for real time and reads back
+//! what was granted, and a timer waits for a second of gesture frames. A check that fails comes with one thing to do. Only shared
+//! memory that does not work is a failure: everything else costs punctuality.
+
+use crate::{ToolError, about};
+use ca_haptic::frame::{DeviceFrame, ForceFrame};
+use ca_haptic::host::control::{Request, ask};
+use ca_haptic::host::gateway::list_devices;
+use ca_haptic::host::{DeviceClient, Gateway, HostError, HostErrorKind, Site, stale_shm};
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{self, RtRequest, Waits, now_ns};
+use ca_haptic::stats::{Percentiles, Times};
+use ca_model::quantity::short;
+use std::fs;
+use std::time::Duration;
+
+/// Gesture frame of most models \[ns\].
+const PERIOD: u64 = 333_333;
+/// Frames of a second.
+const FRAMES: u64 = 3000;
+/// Frames that go round through shared memory.
+const ROUNDS: u64 = 200;
+
+/// State of one thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// as it should be
+    Good,
+    /// costs punctuality
+    Poor,
+    /// devices cannot be played
+    Bad,
+}
+
+impl State {
+    /// In a word.
+    pub fn name(self) -> &'static str {
+        match self {
+            State::Good => "good",
+            State::Poor => "poor",
+            State::Bad => "bad",
+        }
+    }
+}
+
+/// One thing that was looked at.
+#[derive(Clone, Debug)]
+pub struct DiagnosisRow {
+    /// its state
+    pub state: State,
+    /// its name
+    pub what: &'static str,
+    /// a description of what was found
+    pub found: String,
+    /// what to do about it; empty if nothing is to be done
+    pub fix: String,
+}
+
+impl DiagnosisRow {
+    fn good(what: &'static str, found: impl Into<String>) -> DiagnosisRow {
+        DiagnosisRow { state: State::Good, what, found: found.into(), fix: String::new() }
+    }
+    fn poor(what: &'static str, found: impl Into<String>, fix: impl Into<String>) -> DiagnosisRow {
+        DiagnosisRow { state: State::Poor, what, found: found.into(), fix: fix.into() }
+    }
+    fn bad(what: &'static str, e: &HostError) -> DiagnosisRow {
+        DiagnosisRow { state: State::Bad, what, found: e.what.clone(), fix: e.fix.clone() }
+    }
+}
+
+/// All that was found.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// in the order in which they were looked at
+    pub rows: Vec<DiagnosisRow>,
+    /// lateness of a second of gesture frames
+    pub late: Percentiles,
+    /// frames that were late by more than a frame
+    pub late_by_a_frame: u64,
+}
+
+impl Diagnosis {
+    /// True if devices can be played on this machine.
+    pub fn is_usable(&self) -> bool {
+        self.rows.iter().all(|r| r.state != State::Bad)
+    }
+}
+
+/// Looks at this machine. It takes a few seconds.
+///
+/// # Errors
+/// If a thread for the timer cannot be started.
+pub fn examine() -> Result<Diagnosis, ToolError> {
+    let mut rows = Vec::new();
+    match Site::of_user() {
+        Ok(site) => {
+            rows.push(DiagnosisRow::good("place", format!("{}, yours alone", site.root().display())));
+            rows.push(left_over(&site));
+            rows.push(match round(&site) {
+                Ok(t) => DiagnosisRow::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
+                Err(e) => DiagnosisRow::bad("memory", &e),
+            });
+            rows.extend(others(&site));
+        }
+        Err(e) => rows.push(DiagnosisRow::bad("place", &e)),
+    }
+    rows.extend(limits());
+    let second = std::thread::Builder::new()
+        .name("ca doctor".into())
+        .spawn(second)
+        .map_err(|e| ToolError::Failed(format!("no thread: {e}")))?;
+    let (granted, late, over) = second.join().map_err(|_| ToolError::Failed("the timer thread ended".into()))?;
+    rows.push(if granted.refused.is_empty() {
+        DiagnosisRow::good("real time", granted.to_string())
+    } else {
+        let fix = "give your user `rtprio 95`, `memlock unlimited` and `nice -11` in /etc/security/limits.conf, and log in again";
+        DiagnosisRow::poor("real time", granted.to_string(), fix)
+    });
+    let reported = format!("{FRAMES} wake-ups, late by {}; {over} by more than a frame", times(&late));
+    rows.push(if over <= FRAMES / 100 {
+        DiagnosisRow::good("timer", reported)
+    } else {
+        DiagnosisRow::poor(
+            "timer",
+            reported,
+            "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`",
+        )
+    });
+    Ok(Diagnosis { rows, late, late_by_a_frame: over })
+}
+
+fn times(t: &Percentiles) -> String {
+    let [a, b, c, d] = [t.p50, t.p99, t.p999, t.max].map(short);
+    format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
+}
+
+/// Shared memory of processes that ended.
+fn left_over(site: &Site) -> DiagnosisRow {
+    let groups = stale_shm::list(site);
+    let dead: Vec<String> = groups
+        .iter()
+        .filter(|g| !g.ours && g.alive.is_empty())
+        .map(|g| format!("{} files of frames {} over iceoryx2 {}", g.files.len(), g.frames, g.iox))
+        .collect();
+    let swept = site.sweep();
+    if swept.left > 0 {
+        let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
+        return DiagnosisRow::poor("stale shared memory", found, "`ca shm clean`");
+    }
+    if dead.is_empty() {
+        DiagnosisRow::good("stale shared memory", "none")
+    } else {
+        DiagnosisRow::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
+    }
+}
+
+/// Frames there and back between a device and a server, both here, through shared memory.
+fn round(site: &Site) -> Result<Percentiles, HostError> {
+    let name = format!("doctor-{}", std::process::id());
+    let profile = Profile { dof: 1, axes: 1, ..Profile::shipped("unknown").unwrap_or_else(|| unreachable!()) };
+    let mut device = DeviceClient::open(site, about(&name, &profile))?;
+    let mut server = Gateway::open(site, &[&name])?;
+    let (mut frame, mut force) = (DeviceFrame::new(&name, 1), ForceFrame::new(&name, 1));
+    let mut times = Times::new();
+    (force.session, force.ttl_us) = (1, 5000);
+    for n in 1..=ROUNDS {
+        let begin = now_ns();
+        frame.pos[0] = n as f64;
+        device.send(&mut frame)?;
+        let mut came = None;
+        server.poll(&mut |_, f| came = Some(f));
+        let answer = came.filter(|f| f.pos[0] == n as f64).and_then(|f| {
+            (force.seq, force.ack_session, force.ack) = (n, f.session, f.seq);
+            force.t_host_ns = now_ns();
+            server.send(0, &force);
+            device.force().filter(|f| f.seq == n)
+        });
+        if answer.is_none() {
+            return Err(HostError {
+                kind: HostErrorKind::System,
+                what: format!("frame {n} of {ROUNDS} did not come back through shared memory"),
+                fix: "see whether /dev/shm is full: `df /dev/shm`".into(),
+            });
+        }
+        times.add(now_ns() - begin);
+    }
+    Ok(times.percentiles())
+}
+
+/// The server and the devices of this machine.
+fn others(site: &Site) -> Vec<DiagnosisRow> {
+    let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
+        Ok(r) => DiagnosisRow::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
+        Err(e) if e.kind == HostErrorKind::Absent => DiagnosisRow::good("server", "none runs; `ca serve MODEL` is one"),
+        Err(e) => DiagnosisRow::poor("server", e.what, e.fix),
+    };
+    let devices = match list_devices(site, Duration::from_millis(1500)) {
+        Ok(list) if list.is_empty() => DiagnosisRow::good("devices", "none speaks"),
+        Ok(list) => {
+            let names: Vec<_> = list.iter().map(|a| ca_haptic::frame::text(&a.device)).collect();
+            DiagnosisRow::good("devices", names.join(", "))
+        }
+        Err(e) => DiagnosisRow::poor("devices", e.what, e.fix),
+    };
+    vec![server, devices]
+}
+
+/// Limits and settings of the system.
+fn limits() -> Vec<DiagnosisRow> {
+    let mut rows = Vec::new();
+    let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
+    rows.push(if cores >= 2 {
+        DiagnosisRow::good("cores", cores.to_string())
+    } else {
+        DiagnosisRow::poor(
+            "cores",
+            cores.to_string(),
+            "engine and gateway want a core each: expect frames that begin late",
+        )
+    });
+    let read = |path: &str| fs::read_to_string(path).ok().map(|t| t.trim().to_string());
+    if let Some(limits) = read("/proc/self/limits") {
+        let of = |name: &str| {
+            let line = limits.lines().find(|l| l.starts_with(name))?;
+            line[name.len()..].split_whitespace().next().map(str::to_owned)
+        };
+        let all = [of("Max locked memory"), of("Max realtime priority"), of("Max nice priority")];
+        let [lock, priority, nice] = all.map(|v| v.unwrap_or_else(|| "?".into()));
+        // the system counts from the other end
+        let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
+        let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
+        rows.push(DiagnosisRow::good("limits", found));
+    }
+    let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+    if let Some(governor) = governor.filter(|g| g != "performance") {
+        let fix = "`cpupower frequency-set -g performance` while you play";
+        rows.push(DiagnosisRow::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
+    }
+    if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
+        rows.push(DiagnosisRow::good(
+            "throttle",
+            format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
+        ));
+    }
+    rows
+}
+
+/// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
+fn second() -> (rt::Granted, Percentiles, u64) {
+    let granted = rt::ask(RtRequest { priority: Some(70), lock: true, ..RtRequest::default() });
+    let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());
+    let start = now_ns();
+    for n in 1..=FRAMES {
+        let due = start + n * PERIOD;
+        let by = waits.until(due) - due;
+        late.add(by);
+        over += u64::from(by > PERIOD);
+    }
+    (granted, late.percentiles(), over)
+}

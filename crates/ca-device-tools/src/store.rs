@@ -1,0 +1,131 @@
+//! Where profiles and calibrations of a user lie: `$CA_CONFIG`, else `~/.config/ca`.
+//!
+//! Decides that a word that names a file is that file; else a profile of the user's, else one that comes with us; and
+//! that a calibration is found by the name of its device, because it belongs to hardware and not to a model.
+
+use crate::{Message, ToolError};
+use ca_haptic::calibration::Calibration;
+use ca_haptic::profile::{Profile, SHIPPED};
+use ca_io::error::reason;
+use ca_model::suggest::{listed, nearest};
+use cordis_anima::loaded::text;
+use std::path::{Path, PathBuf};
+
+/// The directory.
+pub fn dir() -> PathBuf {
+    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    set("CA_CONFIG")
+        .or_else(|| set("XDG_CONFIG_HOME").map(|d| d.join("ca")))
+        .or_else(|| set("HOME").map(|d| d.join(".config/ca")))
+        .unwrap_or_else(|| PathBuf::from(".ca"))
+}
+
+/// Where the calibration of a device lies.
+pub fn calibration_file(device: &str) -> PathBuf {
+    dir().join("calibration").join(format!("{device}.toml"))
+}
+
+/// The file of a profile that is not shipped.
+pub fn profile_file(word: &str) -> Option<PathBuf> {
+    let own = dir().join("profiles").join(format!("{word}.toml"));
+    [PathBuf::from(word), own].into_iter().find(|path| path.is_file())
+}
+
+/// A profile by file or name.
+///
+/// # Errors
+/// [`ToolError::Usage`] if there is none, [`ToolError::File`] if its file cannot be read.
+pub fn profile(word: &str) -> Result<Profile, ToolError> {
+    if let Some(path) = profile_file(word) {
+        return Ok(Profile::read(&text(&path)?, &path.display().to_string())?);
+    }
+    Profile::shipped(word).ok_or_else(|| {
+        let hint = match nearest(word, SHIPPED.iter().map(|s| s.0)) {
+            Some(m) => format!("did you mean `{m}`?"),
+            None => format!("there is {}, or a file of yours", listed(SHIPPED.iter().map(|s| s.0))),
+        };
+        ToolError::Usage(format!("no profile `{word}`; {hint}"))
+    })
+}
+
+/// The profile of a device: the one given for it as `DEVICE=PROFILE` or for all, else one of the name of the device, else
+/// `unknown`, with a warning.
+///
+/// # Errors
+/// As of [`profile`]; a device without a profile is not an error.
+pub fn profile_of(device: &str, given: &[String], say: &mut dyn FnMut(Message)) -> Result<Profile, ToolError> {
+    let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p));
+    let plain = given.iter().find(|g| !g.contains('=')).map(String::as_str);
+    if let Some(word) = named.or(plain) {
+        return profile(word);
+    }
+    // one that is there and cannot be read is an error, not another device
+    match profile(device) {
+        Err(ToolError::Usage(_)) => {}
+        found => return found,
+    }
+    let p = profile("unknown")?;
+    say(Message::Warning(format!(
+        "nobody has described the device `{device}`: degrees of freedom as it says itself, at most {} N; \
+         say what it is with `--profile {device}=NAME`",
+        p.force
+    )));
+    Ok(p)
+}
+
+/// The calibration of a device: the file given for it, else the user's, else none.
+///
+/// # Errors
+/// If its file cannot be read, or is the calibration of another device.
+pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, ToolError> {
+    let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p.into()));
+    let path: PathBuf = match named {
+        Some(path) => path,
+        None if calibration_file(device).is_file() => calibration_file(device),
+        None => return Ok(Calibration::default()),
+    };
+    let read = Calibration::read(&text(&path)?, &path.display().to_string())?;
+    // a file of no device is of any
+    if !read.device.is_empty() && read.device != device {
+        return Err(ToolError::Failed(format!(
+            "{}: this is the calibration of `{}`, not of `{device}`: positions and forces would be wrong by its factors; \
+             give the one of `{device}`, or make it with `ca device calibrate`",
+            path.display(),
+            read.device
+        )));
+    }
+    Ok(read)
+}
+
+/// All profiles by name, and whether each belongs to the user: the profiles that come with us, and the user's, which take their
+/// place.
+///
+/// # Errors
+/// If a file of the user cannot be read.
+pub fn profiles() -> Result<Vec<(Profile, bool)>, ToolError> {
+    let mut list: Vec<(Profile, bool)> =
+        SHIPPED.iter().filter_map(|(name, _)| Some((Profile::shipped(name)?, false))).collect();
+    let own = std::fs::read_dir(dir().join("profiles")).into_iter().flatten().flatten();
+    let is_toml = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let mut files: Vec<_> = own.map(|f| f.path()).filter(is_toml).collect();
+    files.sort();
+    for path in files {
+        let p = Profile::read(&text(&path)?, &path.display().to_string())?;
+        list.retain(|l| l.0.name != p.name);
+        list.push((p, true));
+    }
+    Ok(list)
+}
+
+/// Writes a calibration, and makes its folder.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write(path: &Path, calibration: &Calibration) -> Result<(), ToolError> {
+    if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| ToolError::Failed(format!("`{}` cannot be written: {}", path.display(), reason(&e))))?;
+    }
+    // whole or not at all: half a calibration would be a force in the wrong place
+    Ok(ca_io::atomic_file::write(path, calibration.write().as_bytes())?)
+}

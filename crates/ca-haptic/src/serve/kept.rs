@@ -1,0 +1,124 @@
+//! A take of all that has been played, from which a player saves copies.
+//!
+//! It is written without sound into a temporary file, whose name is removed at once, so that the system removes the file with the
+//! process. New threads write the files.
+
+use super::sink::{Sink, SinkStreams};
+use super::{AsyncSink, BufferLimits, Recorder, SinkHandle};
+use crate::record::Record;
+use crate::rt::RtRequest;
+use crate::take::{Header, Recovered, TakeWriter, recover};
+use crate::version::Version;
+use ca_core::Scene;
+use ca_io::FileError;
+use std::fs::File;
+use std::os::fd::AsRawFd as _;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A take under way in the folder for temporary files, from which takes are saved.
+pub struct Kept {
+    /// the file where it can be read
+    path: PathBuf,
+    /// its name is removed already; `path` is this handle
+    unnamed: Option<File>,
+    saving: Saving,
+    sink: Option<AsyncSink<KeptSink>>,
+}
+
+/// The take that is to be saved with the next mark of the engine.
+type Saving = Arc<Mutex<Option<Save>>>;
+
+struct Save {
+    to: PathBuf,
+    tell: Sender<Result<String, String>>,
+}
+
+/// Writes the take, and saves a copy of it at a mark: every record from before the mark is written by then.
+struct KeptSink {
+    writer: TakeWriter,
+    path: PathBuf,
+    saving: Saving,
+}
+
+impl KeptSink {
+    fn save(&mut self) {
+        let Some(Save { to, tell }) = self.saving.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        let saved = self.writer.flush().and_then(|()| recover(&self.path, &to));
+        let said = |s: Recovered| format!("saved {:.1} s as {}; `ca replay` plays it again", s.seconds, to.display());
+        let _ = tell.send(saved.map(said).map_err(|e| e.to_string()));
+    }
+}
+
+impl Sink for KeptSink {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { records: true, ..SinkStreams::WORDS }
+    }
+
+    fn record(&mut self, record: &Record) -> Result<(), FileError> {
+        self.writer.record(record)?;
+        if matches!(record, Record::Marked { .. }) {
+            self.save();
+        }
+        Ok(())
+    }
+
+    fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
+        self.writer.swapped(tick, version)
+    }
+}
+
+impl Kept {
+    /// Begins a take, and gives the end of the recorder.
+    ///
+    /// # Errors
+    /// If nothing can be written to the folder for temporary files.
+    pub fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
+        let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
+        let writer = TakeWriter::create(&path, header, scene)?;
+        let unnamed = unnamed(&path);
+        let path = unnamed.as_ref().map_or(path, by_handle);
+        let saving = Saving::default();
+        let sink = KeptSink { writer, path: path.clone(), saving: saving.clone() };
+        let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
+        Ok((Kept { path, unnamed, saving, sink: Some(sink) }, line))
+    }
+
+    /// Saves a copy into `to` of what has been played. The result comes with a message once it is done.
+    ///
+    /// # Errors
+    /// If the engine takes no command.
+    pub fn save(&self, to: PathBuf, recorder: &mut Recorder) -> Result<Receiver<Result<String, String>>, String> {
+        let (tell, end) = channel();
+        let saving = |save| *self.saving.lock().unwrap_or_else(PoisonError::into_inner) = save;
+        saving(Some(Save { to, tell }));
+        recorder.mark().inspect_err(|_| saving(None))?;
+        Ok(end)
+    }
+}
+
+impl Drop for Kept {
+    /// A take whose mark the engine did not come to is saved with what there is.
+    fn drop(&mut self) {
+        if let Some(Ok(Some(mut sink))) = self.sink.take().map(AsyncSink::end) {
+            sink.save();
+        }
+        if self.unnamed.is_none() {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Removes the name of a file that is open; `None` where it could not be read any more without its name.
+fn unnamed(path: &Path) -> Option<File> {
+    let file = File::open(path).ok()?;
+    by_handle(&file).exists().then_some(())?;
+    std::fs::remove_file(path).ok()?;
+    Some(file)
+}
+
+/// The path at which Linux has an open file of this process.
+fn by_handle(file: &File) -> PathBuf {
+    PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
+}

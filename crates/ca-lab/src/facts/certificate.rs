@@ -1,0 +1,55 @@
+//! What is proven of the stability of a scene, in words.
+
+use crate::load::ticked;
+use ca_core::kind::Unit;
+use ca_core::scene::certificate::Certificate;
+use ca_core::scene::growth::Growth;
+use ca_model::quantity::{rounded, short, show};
+
+/// Modules that are named in a line.
+const NAMED: usize = 3;
+
+/// One line.
+pub fn stability(c: &Certificate) -> String {
+    let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
+    let margin = if c.margin().is_finite() { format!("margin {}", short(c.margin())) } else { "no limit".into() };
+    let silent = match &c.not_judged[..] {
+        [] => String::new(),
+        list if list.len() <= NAMED => {
+            format!("; not judged, since nothing hears it: {}", ticked(list.iter().map(String::as_str)))
+        }
+        list => {
+            let first = ticked(list[..NAMED].iter().map(String::as_str));
+            format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
+        }
+    };
+    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
+    format!("{}{by}, {margin}{worst}{silent}", c.level)
+}
+
+/// The stiffest explicit contact, and what such contacts were measured to make.
+pub fn contacting(c: &Certificate) -> Option<String> {
+    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
+    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
+}
+
+/// Links that are judged at rest only.
+pub fn opened(c: &Certificate) -> Option<String> {
+    let names = ticked(c.open.iter().map(String::as_str));
+    (!c.open.is_empty())
+        .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
+}
+
+/// What the energy of a linearised scene may do, in words.
+pub fn rippling(ripple: f64) -> String {
+    format!(
+        "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",
+        short(100.0 * ripple)
+    )
+}
+
+/// Of contacts that grow with their depth, which is too steep first, and where.
+pub fn deepening((name, depth): &(String, f64)) -> String {
+    let depth = show(rounded(*depth, 3), Unit::METRE);
+    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")
+}

@@ -1,0 +1,36 @@
+//! What the energy ledger says of a scene, in words.
+
+use ca_core::Scene;
+use ca_core::scene::certificate::Level;
+use ca_core::state::Ledger;
+use ca_model::quantity::short;
+
+/// An energy to three digits.
+pub fn joule(v: f64) -> String {
+    // no minus before nothing
+    format!("{} J", short(v + 0.0))
+}
+
+/// How a model could grow though its links made no energy to speak of, as the end of a sentence.
+pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
+    let b = ledger.balance();
+    let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
+    if kept && scene.certificate.level == Level::Unstable {
+        ": above the limit of stability motion grows though no energy is made"
+    } else {
+        ""
+    }
+}
+
+/// True where groups at the gesture rate have a border that may make energy.
+pub fn compensated(scene: &Scene) -> bool {
+    scene.slow.as_ref().is_some_and(|g| g.compensated)
+}
+
+/// The links that made most energy, so many of them, most first.
+pub fn makers(scene: &Scene, ledger: &Ledger, most: usize) -> Vec<(String, f64)> {
+    let mut made: Vec<(usize, f64)> =
+        ledger.scheme_error.iter().copied().enumerate().filter(|(_, v)| *v > 0.0).collect();
+    made.sort_by(|a, b| b.1.total_cmp(&a.1));
+    made.into_iter().filter_map(|(i, v)| Some((scene.audited_name(i)?.into_owned(), v))).take(most).collect()
+}

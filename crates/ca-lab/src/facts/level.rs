@@ -1,0 +1,41 @@
+//! How loud a sound is, in words.
+
+use crate::play::gain;
+use ca_model::quantity::short;
+
+/// A peak from which on the loudness is not the question, 40 dB over full scale.
+pub const FAR: f64 = 100.0;
+
+/// A peak below which nobody hears anything at any gain, 200 dB below full scale.
+pub const SILENT: f64 = 1e-10;
+
+/// What would make the loudest sample fit, as the end of a sentence.
+pub fn fitting(peak: f64) -> String {
+    format!("; multiply the gain of the outputs by {} or less", short(gain(peak)))
+}
+
+/// So many samples were cut off.
+pub fn too_loud(n: u64) -> String {
+    let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
+    format!("{samples} beyond full scale, cut off")
+}
+
+/// An amplitude, of which 1 is full scale, in decibels.
+pub fn decibel(peak: f64) -> f64 {
+    20.0 * peak.log10()
+}
+
+/// A peak in words: by its level, but for what no sound card or file could hold.
+pub fn level(peak: f64, diverged: bool) -> String {
+    match peak {
+        p if p < SILENT => "silent".into(),
+        p if p > FAR && diverged => "diverged".into(),
+        p if p > 1.0 / SILENT => "over 200 dBFS".into(),
+        p => format!("{} dBFS", tenths(decibel(p))),
+    }
+}
+
+/// One decimal, and no minus before nothing.
+pub fn tenths(v: f64) -> String {
+    format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
+}

@@ -1,0 +1,21 @@
+//! Facts about a scene in the words of every front end: modules, ports, border, stability, energy and loudness.
+
+pub mod border;
+pub mod certificate;
+pub mod energy;
+pub mod inputs;
+pub mod level;
+
+use ca_core::Scene;
+
+/// How many modules of each code run, in order of first appearance.
+pub fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
+    let mut list: Vec<(&'static str, usize)> = Vec::new();
+    for s in &scene.symbols {
+        match list.iter_mut().find(|c| c.0 == s.code) {
+            Some(c) => c.1 += 1,
+            None => list.push((s.code, 1)),
+        }
+    }
+    list
+}

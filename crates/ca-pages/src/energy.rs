@@ -1,0 +1,101 @@
+//! The energy ledger over the time of a performance, looked at now and then.
+//!
+//! Decides to show the residual by itself, as a part of the largest energy so far: it is ten orders of magnitude below
+//! the rest, and the one curve that tests the engine. Of a model that diverged the ledger is shown as long as its energy
+//! is of the size of what the model was given: what comes then measures the divergence.
+
+use ca_core::Scene;
+use ca_core::state::{Balance, Ledger};
+use ca_lab::facts::energy::{grows, joule, makers};
+use ca_lab::play::relative;
+use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
+
+/// Energy so many times what a model was given is that of its divergence.
+const DIVERGED: f64 = 1e6;
+
+/// The ledger at several times.
+#[derive(Default)]
+pub(crate) struct EnergyOverTime {
+    /// \[s\]
+    times: Vec<f64>,
+    /// sums, and the part in motion \[J\]
+    sums: Vec<(Balance, f64)>,
+    /// the ledger at the end
+    pub end: Option<Ledger>,
+    /// when the model diverged \[s\]
+    pub diverged_at: Option<f64>,
+}
+
+impl EnergyOverTime {
+    /// Notes what the ledger says at a time \[s\].
+    pub fn look(&mut self, time: f64, ledger: Option<&Ledger>) {
+        if let Some(ledger) = ledger {
+            self.times.push(time);
+            self.sums.push((ledger.balance(), ledger.kinetic));
+        }
+    }
+
+    /// The section, in joules that are `scale` times those of the model; `None` where no ledger was kept.
+    pub fn section(&self, scene: &Scene, scale: f64) -> Option<Section> {
+        let end = self.end.as_ref()?;
+        let tame = |(b, motion): &&(Balance, f64)| {
+            let given = b.h0.abs().max(b.work.abs()).max(b.changed.abs());
+            self.diverged_at.is_none() || b.peak.max(motion.abs()) <= DIVERGED * given
+        };
+        let blown = format!("The model diverged at {:.4} s{}", self.diverged_at.unwrap_or_default(), grows(scene, end));
+        let sums: Vec<&(Balance, f64)> = self.sums.iter().take_while(tame).collect();
+        let Some((b, last)) = (match self.diverged_at {
+            None => Some((end.balance(), f64::INFINITY)),
+            Some(_) => sums.last().map(|s| (s.0, self.times[sums.len() - 1])),
+        }) else {
+            let early = format!("{blown}. That is too early for its energy to be shown.");
+            return Some(Section::new("Energy", vec![Block::Text(early)]));
+        };
+        let grid = || Grid::Points(self.times[..sums.len()].to_vec());
+        let curve = |name: &str, of: fn(&(Balance, f64)) -> f64| {
+            let y: Vec<f64> = sums.iter().map(|s| scale * of(s)).collect();
+            // an account in which nothing happened is no curve
+            y.iter().any(|v| *v != 0.0).then(|| Curve::line(name, y))
+        };
+        let accounts = [
+            curve("stored", |s| s.0.h),
+            curve("of it in motion", |s| s.1),
+            curve("lost", |s| s.0.lost),
+            curve("received from ports", |s| s.0.work),
+            curve("received by changes", |s| s.0.changed),
+            curve("error of the scheme", |s| s.0.scheme_error),
+        ];
+        let curves: Vec<Curve> = accounts.into_iter().flatten().collect();
+        let rest = vec![Curve::line("residual", sums.iter().map(|s| relative(&s.0)).collect())];
+        let balance = match relative(&b) {
+            _ if self.diverged_at.is_some() => {
+                format!(
+                    "{blown}. The ledger is that up to {last:.4} s, while there was energy of the size of what it was given."
+                )
+            }
+            _ if b.peak == 0.0 => "Nothing moved, so there is no energy.".into(),
+            0.0 => "The ledger balances exactly.".into(),
+            rel => format!("The ledger balances to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),
+        };
+        let mut rows = vec![
+            ("at load", joule(scale * b.h0)),
+            ("received from ports", joule(scale * b.work)),
+            ("received by changes", joule(scale * b.changed)),
+            ("lost", joule(scale * b.lost)),
+            ("error of the scheme", joule(scale * b.scheme_error)),
+            ("stored", joule(scale * b.h)),
+            ("residual", format!("{:.1e} J", scale * b.residual)),
+        ];
+        // the ledger of each link is that of the end
+        let makers = if self.diverged_at.is_none() { makers(scene, end, 5) } else { Vec::new() };
+        rows.extend(makers.iter().map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))));
+        let mut blocks = vec![Block::Text(balance)];
+        if !curves.is_empty() {
+            blocks.push(Block::Plot(Plot::over_time("Energy", Axis::linear("energy", "J"), grid(), curves)));
+            let axis = Axis::log("residual / peak", "");
+            blocks.push(Block::Plot(Plot::over_time("Residual", axis, grid(), rest)));
+        }
+        blocks.push(Block::Table(Table::pairs(rows)));
+        Some(Section::new("Energy", blocks))
+    }
+}

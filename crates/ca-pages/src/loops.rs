@@ -1,0 +1,133 @@
+//! The times of the real-time loop, on the page of a take.
+//!
+//! Decides that they are those of the device's clock, from a frame to the first that was made under the force which answers it: force
+//! frames are recorded before anybody sends them.
+
+use ca_haptic::take::Rt;
+use ca_model::quantity::short;
+use ca_report::{Axis, Block, Curve, Grid, Look, Plot, Section, Table};
+use std::collections::VecDeque;
+
+/// Longest time by which what the engine took is older than what was published \[s\].
+const AWAY: f64 = 5.0;
+/// Columns of a histogram for a factor of ten.
+const BINS: f64 = 25.0;
+
+/// How the real-time loop did.
+#[derive(Default)]
+pub(crate) struct Loops {
+    /// between device frames, and from one to the first under the force that answers it \[µs\]
+    pub(crate) apart: Vec<f64>,
+    pub(crate) around: Vec<f64>,
+    pub(crate) seconds: Vec<Rt>,
+}
+
+/// How many of the times \[µs\] lie in each column of equal ratios.
+fn histogram(title: &str, times: &[f64]) -> Option<Plot> {
+    let bin = |t: f64| (t.log10() * BINS).floor() as i64;
+    let some = || times.iter().copied().filter(|t| *t > 0.0);
+    let (from, to) = some().map(bin).fold((i64::MAX, i64::MIN), |(a, b), i| (a.min(i), b.max(i)));
+    if from > to {
+        return None;
+    }
+    let mut counts = vec![0.0; (to - from + 1) as usize];
+    some().for_each(|t| counts[(bin(t) - from) as usize] += 1.0);
+    let middle = |i: usize| 10f64.powf(((from + i as i64) as f64 + 0.5) / BINS);
+    Some(Plot {
+        title: title.into(),
+        x: Axis::log("time", "µs").over(10f64.powf((from - 1) as f64 / BINS), 10f64.powf((to + 2) as f64 / BINS)),
+        y: Axis::log("frames", "").over(0.5, 2.0 * counts.iter().copied().fold(1.0, f64::max)),
+        grid: Grid::Points((0..counts.len()).map(middle).collect()),
+        curves: vec![Curve { name: "frames".into(), y: counts, look: Look::Bars }],
+        marks: Vec::new(),
+        image: None,
+    })
+}
+
+/// A row of a table of times \[µs\].
+fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
+    times.sort_by(f64::total_cmp);
+    let at = |q: f64| times.get(((times.len().saturating_sub(1)) as f64 * q).round() as usize).map(|t| short(*t));
+    Some(vec![name.into(), times.len().to_string(), at(0.5)?, at(0.99)?, at(0.999)?, at(1.0)?])
+}
+
+impl Loops {
+    pub(crate) fn section(self, rate: f64, gesture: f64) -> Option<Section> {
+        let mut blocks = Vec::new();
+        blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
+        blocks.extend(histogram("Time from hand to force to hand", &self.around).map(Block::Plot));
+        if let Some(last) = self.seconds.last() {
+            let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
+            let times = Grid::Points(self.seconds.iter().map(|s| s.tick as f64 / rate).collect());
+            let curves =
+                vec![curve("median", |s| s.late_p50), curve("99 %", |s| s.late_p99), curve("largest", |s| s.late_max)];
+            blocks.push(Block::Plot(Plot::over_time(
+                "How late frames began, of each second",
+                Axis::log("late", "µs"),
+                times,
+                curves,
+            )));
+            blocks.push(Block::Table(Table::pairs([
+                ("gesture frames", format!("{}, {} a second", last.frames, short(gesture))),
+                ("missed", last.missed.to_string()),
+                ("without news of a device", last.stale.to_string()),
+                ("device frames refused", last.dropped.to_string()),
+                ("faults", last.faults.to_string()),
+                ("sound samples at the peak limit", last.clipped.to_string()),
+                ("underruns of the sound device", last.underruns.to_string()),
+                ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
+            ])));
+        }
+        let rows: Vec<Vec<String>> =
+            [row("between device frames", self.apart), row("hand to force to hand", self.around)]
+                .into_iter()
+                .flatten()
+                .collect();
+        if !rows.is_empty() {
+            let head = ["time [µs]", "frames", "median", "99 %", "99.9 %", "largest"];
+            blocks.push(Block::Table(Table::new(&head, rows)));
+        }
+        (!blocks.is_empty()).then(|| Section::new("Real time", blocks))
+    }
+}
+
+/// Frames of a device on their way round.
+#[derive(Clone, Default)]
+pub(crate) struct Clock {
+    pub(crate) session: u64,
+    /// when its last frame was published
+    pub(crate) last: Option<Stamp>,
+    /// recent frames: number, and when they were published
+    pub(crate) frames: VecDeque<(u64, Stamp)>,
+    /// recent force frames: number, and when the frame they answer was published
+    pub(crate) forces: VecDeque<(u64, Stamp)>,
+}
+
+/// When a frame was published, by its device \[ns\], and when it was taken, by the engine \[s\].
+#[derive(Clone, Copy)]
+pub(crate) struct Stamp {
+    pub(crate) ns: u64,
+    pub(crate) taken: f64,
+}
+
+impl Stamp {
+    /// Time from an earlier one \[µs\]; none where a clock that is not ours, or none at all, says more than can have passed.
+    pub(crate) fn since(self, earlier: Stamp) -> Option<f64> {
+        let us = self.ns.checked_sub(earlier.ns)? as f64 * 1e-3;
+        (us <= 1e6 * (self.taken - earlier.taken + AWAY)).then_some(us)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_that_is_none_makes_no_time_of_the_loop() {
+        let (a, b) = (Stamp { ns: 5_000_000, taken: 0.0 }, Stamp { ns: 5_700_000, taken: 0.001 });
+        assert_eq!(b.since(a), Some(700.0));
+        assert_eq!(a.since(b), None);
+        let never = Stamp { ns: u64::MAX, taken: 0.002 };
+        assert_eq!((never.since(a), a.since(never)), (None, None));
+    }
+}

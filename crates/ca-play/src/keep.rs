@@ -1,0 +1,193 @@
+//! Keeps a performance from its page: the sound from now on as WAV, and all that was done so far as a take ([`Kept`]).
+//!
+//! Files are written where the program was started, under a name that is free, on threads for them alone. A model with devices
+//! would fill the disk and is kept only as a take from the start.
+
+use ca_core::Scene;
+use ca_haptic::rt::RtRequest;
+use ca_haptic::serve::{AsyncSink, BufferLimits, Kept, Recorder, Sink, SinkHandle, SinkStreams, WavSink};
+use ca_io::FileError;
+use ca_io::sound::{Format, WavOut, Written};
+use ca_session::Files;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+/// Names that are tried.
+const TRIES: u32 = 10_000;
+
+/// Sound that is being written.
+struct Tape {
+    path: PathBuf,
+    sink: AsyncSink<WavSink>,
+}
+
+/// The recorder's end of the sound, where some is written, and why it was ended where nobody did.
+#[derive(Default)]
+struct TapeEnd {
+    line: Option<SinkHandle>,
+    failed: Option<FileError>,
+}
+
+/// Both, shared by the recorder and [`Keep`].
+#[derive(Clone, Default)]
+pub struct TapeSink(Arc<Mutex<TapeEnd>>);
+
+impl TapeSink {
+    fn end(&self) -> MutexGuard<'_, TapeEnd> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set(&self, line: Option<SinkHandle>) {
+        *self.end() = TapeEnd { line, failed: None };
+    }
+}
+
+impl Sink for TapeSink {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams { sound: true, ..SinkStreams::WORDS }
+    }
+
+    fn news(&mut self) -> Option<(bool, String)> {
+        self.end().line.as_mut().and_then(Sink::news)
+    }
+
+    fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
+        let mut end = self.end();
+        if let Some(Err(e)) = end.line.as_mut().map(|l| l.sound(tick, frames)) {
+            *end = TapeEnd { line: None, failed: Some(e) };
+        }
+        Ok(())
+    }
+}
+
+/// Files that a page can keep.
+pub struct Keep {
+    /// name of the model without its folder and endings
+    stem: String,
+    kept: Option<Kept>,
+    tape: Option<Tape>,
+    line: TapeSink,
+    /// files that are being finished
+    ends: Vec<Receiver<Result<String, String>>>,
+    /// that of a take
+    saves: Option<Receiver<Result<String, String>>>,
+}
+
+impl Keep {
+    /// For a model of this name; what was done so far in `kept`.
+    pub fn new(model: &str, kept: Option<Kept>, line: TapeSink) -> Keep {
+        let file = model.rsplit(['/', '\\']).next().unwrap_or(model);
+        let stem = file.split('.').next().filter(|s| !s.is_empty()).unwrap_or("take").to_string();
+        Keep { stem, kept, tape: None, line, ends: Vec::new(), saves: None }
+    }
+
+    /// Ends what is recorded, if it is.
+    fn stop(&mut self) -> Option<String> {
+        let Tape { path, sink } = self.tape.take()?;
+        self.line.set(None);
+        let text = format!("{} is finished", path.display());
+        let end = aside(move || {
+            let written = sink.end().and_then(|w| w.map(WavSink::finish).transpose());
+            let told = |w: Option<Written>| match w {
+                Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
+                None => format!("{} could not be written to its end", path.display()),
+            };
+            written.map(told).map_err(|e| e.to_string())
+        });
+        self.ends.push(end);
+        Some(text)
+    }
+
+    /// A file that is not there yet.
+    fn free(&self, ending: &str) -> Result<PathBuf, String> {
+        let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
+        let free = (1..TRIES).map(path).find(|p| !p.exists());
+        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
+    }
+}
+
+impl Files for Keep {
+    fn can_save(&self) -> bool {
+        self.kept.is_some()
+    }
+
+    fn recording(&self) -> Option<String> {
+        self.tape.as_ref().map(|t| t.path.display().to_string())
+    }
+
+    fn turn(&mut self, recorder: &mut Recorder) {
+        let failed = self.line.end().failed.take();
+        if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
+            recorder.say(true, format!("{} is not recorded any more: {e}", tape.path.display()));
+        }
+        let mut waits = |end: &Receiver<Result<String, String>>| match end.try_recv() {
+            Ok(came) => {
+                recorder.say(came.is_err(), came.unwrap_or_else(|why| why));
+                false
+            }
+            Err(e) => e == TryRecvError::Empty,
+        };
+        self.ends.retain(&mut waits);
+        self.saves = self.saves.take().filter(waits);
+    }
+
+    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String> {
+        if !on {
+            return self.stop().ok_or_else(|| "nothing is recorded".into());
+        }
+        if self.tape.is_some() {
+            return Err("it is recorded already".into());
+        }
+        if scene.channels == 0 {
+            return Err("the model has no output, so there is no sound to record".into());
+        }
+        let path = self.free("wav")?;
+        let out = WavOut::create(&path, scene.rate, scene.channels, Format::F32).map_err(|e| e.to_string())?;
+        let wav = WavSink::from_now(out, scene.channels);
+        let started = AsyncSink::start("ca record", wav, BufferLimits::of(scene), RtRequest::default());
+        let (line, sink) = started.map_err(|e| e.to_string())?;
+        self.line.set(Some(line));
+        let text = format!("records into {}", path.display());
+        self.tape = Some(Tape { path, sink });
+        Ok(text)
+    }
+
+    fn save(&mut self, recorder: &mut Recorder) -> Result<String, String> {
+        let Some(kept) = &self.kept else {
+            return Err("what devices did is kept only with --log TAKE, from the start".into());
+        };
+        if self.saves.is_some() {
+            return Err("a take is being saved; once that is done, save another".into());
+        }
+        let to = self.free("mcap")?;
+        let text = format!("saves {}", to.display());
+        self.saves = Some(kept.save(to, recorder)?);
+        Ok(text)
+    }
+}
+
+/// Does work that may wait for a disk on a new thread, and gives its result.
+fn aside(work: impl FnOnce() -> Result<String, String> + Send + 'static) -> Receiver<Result<String, String>> {
+    let (tell, end) = channel();
+    let done = tell.clone();
+    let run = move || {
+        let _ = done.send(work());
+    };
+    if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
+        let _ = tell.send(Err(format!("no thread to write with: {e}")));
+    }
+    end
+}
+
+impl Drop for Keep {
+    /// What is recorded is finished before the program is.
+    fn drop(&mut self) {
+        self.stop();
+        self.kept = None;
+        for end in self.ends.drain(..).chain(self.saves.take()) {
+            let _ = end.recv();
+        }
+    }
+}
