@@ -7,13 +7,11 @@
 
 mod args;
 mod commands;
-mod language;
 mod load;
 mod outcome;
 mod outputs;
 mod page;
 mod term;
-mod watch;
 
 use args::{Cli, Command};
 use clap::FromArgMatches as _;
@@ -65,6 +63,24 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             term::error(&what);
             2
         }
+    }
+}
+
+/// The performance that arguments of `ca play` ask for, of a model that `read` gives: for a program that plays in its process.
+///
+/// # Errors
+/// [`ca_lab::Failure::Failed`] with the usage of the command if the arguments make no sense, and the errors of `read`.
+pub fn play_request(
+    name: &str,
+    args: impl IntoIterator<Item = OsString>,
+    read: ca_live::Reader,
+) -> Result<ca_live::Request, ca_lab::Failure> {
+    let words = ["ca".into(), "play".into(), OsString::from(name)].into_iter().chain(args);
+    let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
+    let cli = args::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
+    match cli.command {
+        Command::Play(args) => commands::serve::request(&args.serve, Some(commands::play::page(&args)), read),
+        _ => Err(ca_lab::Failure::Failed("these are not arguments of `ca play`".into())),
     }
 }
 

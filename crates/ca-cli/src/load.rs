@@ -4,29 +4,13 @@ use crate::args::Source;
 use crate::outcome::Failure;
 use crate::term;
 use ca_compile::{Compiled, Options};
-use ca_io::{FileError, atomic_file, reading};
+use ca_io::{FileError, reading};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, utf8, warnings,
 };
 use ca_model::diag::Severity;
 use std::path::Path;
 use std::sync::OnceLock;
-
-/// Refuses to write the sound of a performance to a file that is not called `.wav`, and to standard output, which has its
-/// summary.
-pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
-    if atomic_file::is_stdout(path) {
-        let what = format!("`{}`: the summary goes to standard output", path.display());
-        return Err(Failure::Usage(format!("{what}; name a file `.wav` or a FIFO")));
-    }
-    // a device such as /dev/null has no extension, and need not
-    let plain = !path.exists() || path.is_file();
-    if plain && !has_extension(path, "wav") {
-        let what = format!("`{}`: sound is written as WAV", path.display());
-        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
-    }
-    Ok(())
-}
 
 /// The word that means standard input.
 const STDIN: &str = "-";
@@ -57,10 +41,14 @@ pub fn own_file(word: &str) -> Result<&Path, Failure> {
 
 /// Reads the model and applies `--set`.
 pub fn load(source: &Source) -> Result<Loaded, Failure> {
-    let mut loaded = read(&source.model)?;
+    Ok(changed(read(&source.model)?, source)?)
+}
+
+/// Applies `--set` to a model.
+pub fn changed(mut loaded: Loaded, source: &Source) -> Result<Loaded, ca_lab::Failure> {
     for (name, value) in source.changes() {
-        ca_lab::load::set_typed(&mut loaded, &name, &value).map_err(|e| match Failure::from(e) {
-            Failure::Usage(what) => Failure::Usage(format!("--set: {what}")),
+        ca_lab::load::set_typed(&mut loaded, &name, &value).map_err(|e| match e {
+            ca_lab::Failure::Usage(what) => ca_lab::Failure::Usage(format!("--set: {what}")),
             other => other,
         })?;
     }

@@ -19,6 +19,7 @@ mod gesture;
 mod gradient;
 mod measure;
 mod model;
+mod play;
 mod render;
 mod scene;
 mod sim;
@@ -44,6 +45,8 @@ mod _core {
     use crate::measure::quantity;
     #[pymodule_export]
     use crate::model::{Model, bundled, kinds, parts};
+    #[pymodule_export]
+    use crate::play::Performance;
     #[pymodule_export]
     use crate::scene::Scene;
     #[pymodule_export]

@@ -88,6 +88,19 @@ pub fn apart<R: Send + 'static>(
     found.ok_or_else(|| crate::error::failure(py, ca_lab::Failure::Stopped))
 }
 
+/// Waits until `done`, for a limited time. A signal ends the wait with an error.
+pub fn until(py: Python, limit: Duration, done: impl Fn() -> bool) -> PyResult<bool> {
+    let begun = Instant::now();
+    while !done() {
+        if begun.elapsed() > limit {
+            return Ok(false);
+        }
+        py.detach(|| std::thread::sleep(OFTEN));
+        py.check_signals()?;
+    }
+    Ok(true)
+}
+
 /// Looks at signals now and then, for work that is done by the thread that called.
 pub struct Look {
     last: Instant,

@@ -19,7 +19,7 @@ use std::io::Write;
 /// Runs the command.
 pub fn run(args: &ReplayArgs) -> Outcome {
     if let Some(path) = &args.output {
-        load::check_wav_path(path)?;
+        ca_live::check_wav_path(path)?;
         outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
     }
     let mut take = Take::open(&args.file)?;

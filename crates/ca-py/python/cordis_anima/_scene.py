@@ -328,16 +328,17 @@ class Scene(Measured, Derivatives):
         return View(self._compiled.view(None if seconds is None else length(seconds), made(self._compiled, gesture), progress))
 
     def play(self, *args: str, ca: Path | None = None) -> Playing:
-        """Plays it by hand in the page of ``ca play``, a program of its own, which is shown inline in a notebook. What the model
-        reads from files beside it has to be named by whole paths.
+        """Plays it by hand in a page, which a notebook shows inline. The model names files by whole paths.
+
+        It plays in this process. A model with force devices is played by the program ``ca``.
 
         Args:
-            args: more for the program, as on the command line, e.g. ``"--log", "take.mcap"`` or ``"--audio", "page"``.
-            ca: another program ``ca``; without, the one in the environment variable ``CA``, or the one of this package.
+            args: options of ``ca play``, e.g. ``"--log", "take.mcap"`` or ``"--audio", "page"``.
+            ca: plays by this program ``ca``; the environment variable ``CA`` names one too.
 
         Raises:
             UsageError: there is no such program.
-            FailedError: it does not play; what it says.
+            FailedError: it does not play, with the reason.
 
         >>> import cordis_anima as ca
         >>> with ca.load("plucked_string").play("--audio", "page") as playing:
@@ -345,7 +346,8 @@ class Scene(Measured, Derivatives):
         True
         """
         rate = () if self._asked[0] is None else ("--rate", f"{self._asked[0]!r} Hz")
-        return Playing._of(self._model, self._model.toml(), ca, [*rate, *args])
+        devices = any(i.role == "device" for i in self.inputs)
+        return Playing._of(self._model, self._model.toml(), ca, devices, [*rate, *args])
 
     # what is known of it
 

@@ -1,13 +1,13 @@
-"""Scenes played in the page of `ca play`, and films of them: real programs, real pages."""
+"""Scenes that are played in a page, and films of them: real processes, real pages."""
 
 import gc
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import time
 import urllib.request
+from pathlib import Path
 
 import cordis_anima as ca
 import pytest
@@ -15,62 +15,102 @@ import pytest
 BAR = '[CEL]\nbar = { m = "1 g", f = "220 Hz", t60 = "2 s", dx0 = "1 mm" }\n[SOX]\nout = { from = "bar", gain = 500 }\n'
 
 
-def ends(process):
+LIVE = (
+    '[param]\nk = { value = 900, unit = "N/m", min = 100, max = 2000, live = true, doc = "stiffness" }\n[MAS]\na = { m = "1 g" }\n'
+    '[SOL]\ng = {}\n[REF]\nr = { from = "g", to = "a", k = "$k", z = "0.1 N s/m" }\n[SOX]\nout = { from = "a" }\n'
+)
+
+
+def page(address):
+    with urllib.request.urlopen(address) as answer:
+        return answer.read()
+
+
+def ends(is_over):
     until = time.monotonic() + 20
-    while process.poll() is None:
+    while not is_over():
         assert time.monotonic() < until, "it plays on"
         time.sleep(0.01)
 
 
+def refused(address):
+    try:
+        page(address)
+    except OSError:
+        return True
+    return False
+
+
 def test_a_scene_is_played_in_a_page_that_a_notebook_may_show():
     with ca.parse(BAR, rate="44.1 kHz").replace({"bar.f": "330 Hz"}).play("--audio", "page") as playing:
-        with urllib.request.urlopen(playing.url) as page:
-            policy = page.headers["Content-Security-Policy"]
-            assert b"<title>" in page.read()
-        # pages of this machine, and of no other
+        with urllib.request.urlopen(playing.url) as answer:
+            policy = answer.headers["Content-Security-Policy"]
+            assert b"<title>" in answer.read()
+        # pages of this machine alone
         assert policy.endswith("frame-ancestors http://127.0.0.1:* http://localhost:*"), policy
         shown = playing._repr_html_()
         assert playing.url in shown and 'allow="autoplay; midi"' in shown
-        assert repr(playing) == f"<Playing at {playing.url}>"
-        process = playing._process
-        model = process.args[2]
-        with open(model, encoding="utf-8") as text:
-            assert "330 Hz" in text.read()
-        assert "44100.0 Hz" in process.args
-    assert process.poll() is not None and not playing.is_playing and "ended" in playing._repr_html_()
-    assert not os.path.exists(model)
+        assert repr(playing) == f"<Playing at {playing.url}>" and playing.is_playing
+        assert "engine: " in playing.said
+    assert not playing.is_playing and "ended" in playing._repr_html_() and refused(playing.url)
+
+
+def test_it_plays_in_this_process_and_is_changed_while_it_plays(tmp_path):
+    threads = len(list(Path(f"/proc/{os.getpid()}/task").iterdir()))
+    take = tmp_path / "t.mcap"
+    with ca.parse(LIVE).play("--audio", "page", "--log", str(take)) as playing:
+        assert len(list(Path(f"/proc/{os.getpid()}/task").iterdir())) > threads
+        assert playing.set({"k": "1.2 kN/m"}) == "k = 1200"
+        assert playing.set({"k": 500}) == "k = 500"
+        with pytest.raises(ca.UsageError, match="`k`"):
+            playing.set({"k": "3 kg"})
+        assert "made anew" in playing.set({"a.m": "2 g"})
+        time.sleep(0.5)
+    with pytest.raises(ca.FailedError, match="any more"):
+        playing.set({"k": 600})
+    assert ca.Take(take).replay().identical
+
+
+def test_several_play_at_once_and_each_ends_by_itself():
+    with ca.parse(BAR).play("--audio", "page") as one, ca.load("rattle").play("--audio", "page", "--seconds", "0.5") as other:
+        assert one.url != other.url
+        ends(lambda: not other.is_playing)
+        assert one.is_playing and b"<title>" in page(one.url)
 
 
 def test_it_ends_when_nothing_refers_to_it_and_with_the_interpreter():
     playing = ca.parse(BAR).play("--audio", "page")
-    process = playing._process
+    url = playing.url
     del playing
     gc.collect()
-    ends(process)
-    code = "import cordis_anima as ca, sys; p = ca.load('rattle').play('--audio', 'page'); print(p._process.pid)"
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    with pytest.raises(ProcessLookupError):
-        os.kill(int(ran.stdout), signal.SIG_DFL)
+    ends(lambda: refused(url))
+    code = "import cordis_anima as ca; p = ca.load('rattle').play('--audio', 'page'); print(p.url)"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert refused(ran.stdout.strip())
 
 
 def test_what_does_not_play_says_why():
     with pytest.raises(ca.FailedError, match="--organ"):
         ca.parse(BAR).play("--organ")
+    with pytest.raises(ca.FailedError, match="--audio nowhere"):
+        ca.parse(BAR).play("--audio", "nowhere")
     with pytest.raises(ca.UsageError, match="`ca=`.*python -m cordis_anima"):
         ca.parse(BAR).play(ca="/nowhere/ca")
     with pytest.raises(ca.UsageError, match="Scene.play"):
         ca.Playing()
 
 
-def test_the_program_is_found(monkeypatch):
+def test_force_devices_are_played_by_a_process(monkeypatch):
     monkeypatch.setenv("CA", "/nowhere/ca")
     with pytest.raises(ca.UsageError, match="environment variable CA"):
         ca.parse(BAR).play()
-    # without it, the command of the package plays
     monkeypatch.delenv("CA")
-    with ca.parse(BAR).play("--audio", "page") as playing, urllib.request.urlopen(playing.url) as page:
-        assert playing._process.args[:3] == [sys.executable, "-m", "cordis_anima"]
-        assert b"<title>" in page.read()
+    with ca.load("piano_key").play("--audio", "page") as playing:
+        process = playing._plays.process
+        assert process.args[:4] == [sys.executable, "-m", "cordis_anima", "play"]
+        model = process.args[4]
+        assert os.path.exists(model) and b"<title>" in page(playing.url)
+    assert process.poll() is not None and not playing.is_playing and not os.path.exists(model)
 
 
 def test_a_film_is_of_what_was_played(tmp_path):

@@ -1,26 +1,16 @@
 //! What is reported at the end of a performance.
 
 use ca_core::kind::Unit;
-use ca_haptic::serve::Summary;
 use ca_haptic::stats::Percentiles;
-use ca_haptic::take;
-use ca_io::sound::Written;
-use ca_model::quantity::{short, show, six};
+use ca_live::Report;
+use ca_model::quantity::short;
+use ca_model::quantity::{show, six};
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
-use std::path::Path;
-
-/// What was written.
-pub(super) struct Files<'a> {
-    pub sound: Option<(&'a Path, &'a Written)>,
-    pub take: Option<(&'a Path, &'a take::Finished)>,
-}
-
-/// What went over the lines.
-pub(super) type Traffic = [(&'static str, u64); 8];
 
 /// As text, one line a thing.
-pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>, rate: f64) -> io::Result<()> {
+pub(super) fn text(report: &Report) -> io::Result<()> {
+    let Report { name, rate, summary: s, traffic, sound, take } = report;
     let mut out = io::stdout().lock();
     writeln!(out, "{name}: {} s in {} gesture frames of {:.1} us", short(s.seconds), s.frames, s.period_us)?;
     for (thread, granted) in &s.granted {
@@ -58,7 +48,7 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         writeln!(out, "  {:<15}none", "faults")?;
     }
     for f in &s.faults {
-        writeln!(out, "  {:<15}{} {} at {:.3} s", "fault", f.device, f.cause.name(), f.tick as f64 / rate)?;
+        writeln!(out, "  {:<15}{} {} at {:.3} s", "fault", f.device, f.cause.name(), f.tick as f64 / *rate)?;
     }
     for what in &s.broken {
         writeln!(out, "  {:<15}{what}", "not written")?;
@@ -81,10 +71,10 @@ pub(super) fn text(s: &Summary, name: &str, files: &Files, traffic: Option<Traff
         let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
         writeln!(out, "  {:<15}{}", "not played", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;
     }
-    if let Some((path, w)) = files.sound {
+    if let Some((path, w)) = sound {
         writeln!(out, "  {:<15}{}, {} s", "sound", path.display(), short(w.duration()))?;
     }
-    if let Some((path, t)) = files.take {
+    if let Some((path, t)) = take {
         let lost = if t.lost > 0 { format!(", {} lost", t.lost) } else { String::new() };
         writeln!(out, "  {:<15}{}, {} messages{lost}; `ca replay` plays it again", "take", path.display(), t.messages)?;
     }
@@ -96,12 +86,12 @@ fn times(t: &Percentiles) -> String {
 }
 
 /// As JSON.
-pub(super) fn value(s: &Summary, name: &str, files: &Files, traffic: Option<Traffic>) -> Value {
-    let mut v = serde_json::to_value(s).unwrap_or_default();
-    v["model"] = json!(name);
-    v["traffic"] = traffic.map(|t| t.into_iter().collect::<Value>()).into();
-    v["faithful"] = json!(s.is_faithful());
-    v["sound"] = json!(files.sound.map(|(p, _)| p));
-    v["take"] = json!(files.take.map(|(p, t)| json!({"file": p, "messages": t.messages, "lost": t.lost})));
+pub(super) fn value(report: &Report) -> Value {
+    let mut v = serde_json::to_value(&report.summary).unwrap_or_default();
+    v["model"] = json!(report.name);
+    v["traffic"] = report.traffic.map(|t| t.into_iter().collect::<Value>()).into();
+    v["faithful"] = json!(report.summary.is_faithful());
+    v["sound"] = json!(report.sound.as_ref().map(|(p, _)| p));
+    v["take"] = json!(report.take.as_ref().map(|(p, t)| json!({"file": p, "messages": t.messages, "lost": t.lost})));
     v
 }

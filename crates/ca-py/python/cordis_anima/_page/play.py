@@ -1,4 +1,4 @@
-"""Scenes that are played by hand in the page of ``ca play``."""
+"""Scenes that are played by hand in a page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import sys
 import tempfile
 import threading
 import weakref
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 from .. import _core
 from .._errors import FailedError, UsageError
@@ -21,8 +22,18 @@ _PATIENCE = 60.0
 _ADDRESS = re.compile(r"play it at (http://127\.0\.0\.1:\d+/[0-9a-f]+/)")
 
 
+class _Performance(Protocol):
+    """What plays a scene: a thread of this process, or a program."""
+
+    def address(self) -> str | None: ...
+    def is_playing(self) -> bool: ...
+    def lines(self) -> list[str]: ...
+    def set(self, values: list[tuple[str, str]]) -> str: ...
+    def stop(self) -> None: ...
+
+
 def _program(given: str | os.PathLike[str] | None) -> list[str]:
-    """The program ``ca``: the one that is given, or the one of this package."""
+    """The program ``ca``: the given one, or the one of this package."""
     wanted = os.fspath(given) if given is not None else os.environ.get("CA")
     if wanted is None:
         return [sys.executable, "-m", "cordis_anima"]
@@ -33,21 +44,71 @@ def _program(given: str | os.PathLike[str] | None) -> list[str]:
     return [found]
 
 
-def _end(process: subprocess.Popen[str], folder: tempfile.TemporaryDirectory[str]) -> None:
-    """Ends the program, and takes its model away."""
-    if process.poll() is None:
-        process.terminate()
-        try:
-            process.wait(5)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-    folder.cleanup()
+class _Program:
+    """``ca play`` as a process. It ends with this process."""
+
+    def __init__(self, program: list[str], name: str, text: str, args: Sequence[str]) -> None:
+        self._ca = program
+        self._folder = tempfile.TemporaryDirectory(prefix="ca-play-")
+        path = os.path.join(self._folder.name, name + ".ca.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.process = subprocess.Popen(
+            [*program, "play", path, "--no-open", *args],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self._lines: list[str] = []
+        self._address: str | None = None
+        self._found = threading.Event()
+        threading.Thread(target=self._read, daemon=True).start()
+        self._found.wait(_PATIENCE)
+
+    def _read(self) -> None:
+        assert self.process.stderr is not None
+        for line in self.process.stderr:
+            self._lines.append(line.rstrip())
+            if address := _ADDRESS.search(line):
+                self._address = address[1]
+                self._found.set()
+            if len(self._lines) > 1000:
+                del self._lines[:500]
+        self._found.set()
+
+    def address(self) -> str | None:
+        return self._address
+
+    def is_playing(self) -> bool:
+        return self.process.poll() is None
+
+    def lines(self) -> list[str]:
+        return list(self._lines)
+
+    def set(self, values: list[tuple[str, str]]) -> str:
+        words = [f"{name}={value}" for name, value in values]
+        told = subprocess.run([*self._ca, "set", *words], capture_output=True, text=True)
+        if told.returncode:
+            raise UsageError(told.stderr.removeprefix("error: ").strip())
+        return told.stdout.strip()
+
+    def stop(self) -> None:
+        if self.is_playing():
+            self.process.terminate()
+            try:
+                self.process.wait(5)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        self._folder.cleanup()
 
 
 class Playing:
-    """A scene that is played in the page of ``ca play``: the moving instrument, touch, parameters, sound. In a notebook its
-    last value in a cell shows the page there. It ends with `stop`, with a ``with`` block, or when nothing refers to it.
+    """A scene that is played in a page: the moving instrument, touch, parameters, sound. In a notebook its last value in a
+    cell shows the page there. It ends with `stop`, with a ``with`` block, or when nothing refers to it.
+
+    It plays in this process, unless the model has force devices or another program is named.
 
     >>> import cordis_anima as ca
     >>> with ca.load("hammered_string").play() as playing:
@@ -57,68 +118,69 @@ class Playing:
     False
     """
 
-    #: where the page is, on this machine
+    #: the address of the page, on this machine
     url: str
 
     def __init__(self, *_: object, **__: object) -> None:
         raise UsageError("a scene is played by `Scene.play`")
 
     @classmethod
-    def _of(cls, model: _core.Model, text: str, program: str | os.PathLike[str] | None, args: Sequence[str]) -> Playing:
+    def _of(
+        cls,
+        model: _core.Model,
+        text: str,
+        program: str | os.PathLike[str] | None,
+        devices: bool,
+        args: Sequence[str],
+    ) -> Playing:
         made = cls.__new__(cls)
-        folder = tempfile.TemporaryDirectory(prefix="ca-play-")
-        name = (model.name or "model") + ".ca.toml"
-        path = os.path.join(folder.name, name)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        # one that ends with this process, however that ends, since nobody reads what it says any more
-        process = subprocess.Popen(
-            [*_program(program), "play", path, "--no-open", "--framed", *args],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
-        made._end = weakref.finalize(made, _end, process, folder)
-        made._process, made._said = process, []
-        found = threading.Event()
-
-        def read(said: list[str], made: weakref.ref[Playing]) -> None:
-            assert process.stderr is not None
-            for line in process.stderr:
-                said.append(line.rstrip())
-                address, playing = _ADDRESS.search(line), made()
-                if address and playing is not None:
-                    playing.url = address[1]
-                    found.set()
-                del playing
-                if len(said) > 1000:
-                    del said[:500]
-            found.set()
-
-        threading.Thread(target=read, args=(made._said, weakref.ref(made)), daemon=True).start()
-        if not found.wait(_PATIENCE) or not hasattr(made, "url"):
-            why = "\n".join(made._said) or f"it says nothing within {_PATIENCE:g} s"
+        name = model.name or "model"
+        args = ["--framed", *args]
+        # forces on a hand do not depend on what else this process does
+        if devices or program is not None or "CA" in os.environ:
+            made._plays = _Program(_program(program), name, text, args)
+        else:
+            made._plays = _core.Performance(name, text, args)
+        made._end = weakref.finalize(made, made._plays.stop)
+        address = made._plays.address()
+        if address is None:
+            why = "\n".join(made._plays.lines()) or f"it says nothing within {_PATIENCE:g} s"
             made._end()
             raise FailedError(f"`ca play` does not play it: {why}")
+        made.url = address
         return made
 
-    _process: subprocess.Popen[str]
-    _said: list[str]
+    _plays: _Performance
     _end: weakref.finalize[..., Playing]
 
     @property
     def is_playing(self) -> bool:
-        """Whether it plays still."""
-        return self._process.poll() is None
+        """True until it ends."""
+        return self._plays.is_playing()
 
     @property
     def said(self) -> str:
-        """What the program has said so far: the model's warnings, what was refused."""
-        return "\n".join(self._said)
+        """Its messages so far: the warnings of the model, refused requests."""
+        return "\n".join(self._plays.lines())
+
+    def set(self, values: Mapping[str, float | str]) -> str:
+        """Changes live parameters, all in one tick, or other numbers of the model, which is then compiled again and plays on.
+
+        Args:
+            values: numbers in SI units, or quantities in text, by name, e.g. ``{"k": "900 N/m"}``.
+
+        Returns:
+            The answer in words.
+
+        Raises:
+            UsageError: a name or a value is refused.
+            FailedError: it does not play any more.
+        """
+        typed = [(name, v if isinstance(v, str) else repr(float(v))) for name, v in values.items()]
+        return self._plays.set(typed)
 
     def stop(self) -> None:
-        """Ends it."""
+        """Ends it, once its files are finished."""
         self._end()
 
     def __enter__(self) -> Playing:

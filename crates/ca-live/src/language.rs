@@ -2,12 +2,12 @@
 
 use ca_core::Scene;
 use ca_core::live::LiveParam;
-use ca_lab::facts::certificate::stability;
+use ca_lab::facts::certificate;
 use ca_model::{quantity, suggest};
 use ca_session::Language;
 
 /// Quantities and names as models write them.
-pub(crate) struct ModelLanguage;
+pub struct ModelLanguage;
 
 impl Language for ModelLanguage {
     fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String> {
@@ -24,6 +24,6 @@ impl Language for ModelLanguage {
     }
 
     fn stability(&self, scene: &Scene) -> String {
-        stability(&scene.certificate)
+        certificate::stability(&scene.certificate)
     }
 }

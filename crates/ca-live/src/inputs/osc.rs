@@ -7,8 +7,8 @@
 use super::Inputs;
 use super::token::Token;
 use crate::language::ModelLanguage;
-use crate::outcome::Failure;
 use ca_haptic::serve::Recorder;
+use ca_lab::Failure;
 use ca_session::osc::{self, LARGEST, Target};
 use std::net::{Ipv4Addr, UdpSocket};
 use std::time::Instant;

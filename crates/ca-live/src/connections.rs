@@ -1,8 +1,9 @@
-//! Speaks to other processes: to devices by the gateway, to `ca set`, `ca disarm` and the like by the control.
+//! Connections to other processes: devices by the gateway, `ca set`, `ca disarm` and the like by the control.
 
 use crate::language::ModelLanguage;
-use crate::outcome::Failure;
-use crate::term;
+use crate::report::Traffic;
+use crate::request::Listener;
+use crate::setup::host_failure;
 use ca_core::Scene;
 use ca_core::kind::Unit;
 use ca_core::scene::Input;
@@ -14,6 +15,7 @@ use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{GatewayEnds, Recorder};
+use ca_lab::Failure;
 use ca_lab::take::dofs;
 use ca_model::quantity::{show, six};
 use ca_session::{Change, answer};
@@ -25,7 +27,7 @@ use std::time::Duration;
 const SECOND: Duration = Duration::from_millis(300);
 
 /// Open lines. A scene without devices, live parameters and page needs none; the control also ends and sets a page.
-pub(super) struct Talk {
+pub(crate) struct Connections {
     names: Vec<String>,
     setups: Vec<Setup>,
     /// what the scene wants of devices that nobody has described, and what they may do at most
@@ -38,23 +40,23 @@ pub(super) struct Talk {
     events: Receiver<(u32, Event)>,
 }
 
-impl Talk {
+impl Connections {
     /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` goes without: it
     /// is set and armed in its page. The other server has a device first that both name.
-    pub(super) fn open(
-        setups: &[Setup],
-        unknown: Vec<Option<Profile>>,
+    pub(crate) fn open(
+        (setups, unknown): (&[Setup], Vec<Option<Profile>>),
         scene: &Scene,
         ends: GatewayEnds,
         request: RtRequest,
         page: bool,
-    ) -> Result<Talk, Failure> {
+        listener: &dyn Listener,
+    ) -> Result<Connections, Failure> {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
         let wanted = setups.iter().map(|s| dofs(scene, &s.device));
         let unknown = unknown.into_iter().zip(wanted).map(|(p, wanted)| Some(Unknown { most: p?, wanted })).collect();
         let setups = setups.to_vec();
-        let mut talk = Talk {
+        let mut talk = Connections {
             names: names.clone(),
             setups,
             unknown,
@@ -67,7 +69,7 @@ impl Talk {
         if names.is_empty() && scene.live.params.is_empty() && !page {
             return Ok(talk);
         }
-        let site = Site::of_user()?;
+        let site = Site::of_user().map_err(host_failure)?;
         if !names.is_empty() {
             site.sweep();
         }
@@ -79,14 +81,14 @@ impl Talk {
                 } else {
                     "`ca set`, `ca stop`, `ca arm` and `ca disarm`"
                 };
-                term::note(&format!("{verbs} do not reach this one, its page does: {}", e.what));
+                listener.note(&format!("{verbs} do not reach this one, its page does: {}", e.what));
             }
-            Err(e) => return Err(e.into()),
+            Err(e) => return Err(host_failure(e)),
         }
         if !names.is_empty() {
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
             let after = if talk.control.is_some() { Duration::ZERO } else { SECOND };
-            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after)?);
+            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after).map_err(host_failure)?);
         }
         talk.site = Some(site);
         Ok(talk)
@@ -94,7 +96,7 @@ impl Talk {
 
     /// Closes the lines once the last force is sent. What went over those of all devices: received, of these foreign,
     /// never seen, no room; sent, not sent.
-    pub(super) fn end(self) -> Option<super::summary::Traffic> {
+    pub(crate) fn end(self) -> Option<Traffic> {
         let gateway = self.gateway?;
         let t = gateway.traffic.clone();
         drop(gateway);
@@ -111,18 +113,18 @@ impl Talk {
         Some(counts.map(|(name, n)| (name, n.load(Relaxed))))
     }
 
-    pub(super) fn granted(&self) -> Option<String> {
+    pub(crate) fn granted(&self) -> Option<String> {
         self.gateway.as_ref().map(|g| g.granted.to_string())
     }
 
     /// What each device is, as far as is known.
-    pub(super) fn setups(&self) -> Option<&[Setup]> {
+    pub(crate) fn setups(&self) -> Option<&[Setup]> {
         self.refits.is_empty().then_some(&self.setups)
     }
 
     /// One turn: what devices do, what people ask. True where somebody asked to stop. `change` takes numbers of
     /// the model that are not live, where it can be made anew.
-    pub(super) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
+    pub(crate) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {

@@ -1,38 +1,46 @@
 //! From a scene and what was typed to an engine with its devices.
 
-use crate::args::ServeArgs;
-use crate::outcome::Failure;
-use crate::term;
+use crate::request::{DeviceOptions, Listener};
 use ca_core::Scene;
-use ca_device_tools::store;
+use ca_device_tools::{Message, ToolError, store};
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
+use ca_haptic::host::{HostError, HostErrorKind};
 use ca_haptic::profile::Profile;
-pub(crate) use ca_lab::take::devices;
-use ca_lab::take::{beyond, dofs};
+use ca_lab::Failure;
+use ca_lab::load::ticked;
+use ca_lab::take::{beyond, devices, dofs};
 use std::sync::Arc;
 
 /// Everything that belongs to each device; and of each that nobody has described, what it may do at most.
-pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec<Option<Profile>>), Failure> {
+pub(crate) fn setups(
+    options: &DeviceOptions,
+    scene: &Scene,
+    listener: &dyn Listener,
+) -> Result<(Vec<Setup>, Vec<Option<Profile>>), Failure> {
     let names = devices(scene);
-    for given in args.profile.iter().chain(&args.calibration) {
+    for given in options.profiles.iter().chain(&options.calibrations) {
         if let Some((device, _)) = given.split_once('=') {
             if !names.iter().any(|n| n == device) {
-                let all = crate::load::ticked(names.iter().map(String::as_str));
+                let all = ticked(names.iter().map(String::as_str));
                 return Err(Failure::Usage(format!("`{given}`: the model has no device `{device}`; it has {all}")));
             }
         }
     }
     let (mut setups, mut unknown) = (Vec::new(), Vec::new());
     for device in names {
-        let mut profile = store::profile_of(&device, &args.profile, &mut term::message)?;
-        let calibration = store::calibration_of(&device, &args.calibration)?;
+        let mut profile = store::profile_of(&device, &options.profiles, &mut |message| match message {
+            Message::Note(text) => listener.note(&text),
+            Message::Warning(text) => listener.warning(&text),
+        })
+        .map_err(failure)?;
+        let calibration = store::calibration_of(&device, &options.calibrations).map_err(failure)?;
         let wanted = dofs(scene, &device);
         let far: Vec<&str> = beyond(scene, &device).map(|i| i.name.as_str()).collect();
         if let Some(first) = far.first() {
             let keys =
                 if far.len() == 1 { format!("`{first}`") } else { format!("{} ports from `{first}` on", far.len()) };
-            term::note(&format!(
+            listener.note(&format!(
                 "`{device}`: a device has at most {DOF} degrees of freedom; MIDI and gestures alone move {keys}"
             ));
         }
@@ -48,7 +56,7 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec
             let what = format!("the model uses {wanted} keys of `{device}`, its profile has {}", profile.dof);
             let more =
                 "MIDI and gestures alone move the others; a device with more keys needs a profile with more `dof`";
-            term::note(&format!("{what}: {more}"));
+            listener.note(&format!("{what}: {more}"));
         }
         let gains = ca_haptic::equivalence::gains(scene, &device);
         setups.push(Setup { device, profile, calibration, gains });
@@ -56,8 +64,25 @@ pub(super) fn setups(args: &ServeArgs, scene: &Scene) -> Result<(Vec<Setup>, Vec
     Ok((setups, unknown))
 }
 
+fn failure(e: ToolError) -> Failure {
+    match e {
+        ToolError::Usage(what) => Failure::Usage(what),
+        ToolError::Host(e) => host_failure(e),
+        ToolError::File(e) => e.into(),
+        ToolError::Failed(what) => Failure::Failed(what),
+    }
+}
+
+/// The failure that an error of shared memory is.
+pub(crate) fn host_failure(e: HostError) -> Failure {
+    match e.kind {
+        HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
+        _ => Failure::Failed(e.to_string()),
+    }
+}
+
 /// The engine.
-pub(super) fn engine(scene: Arc<Scene>, setups: &[Setup], session: u64) -> Engine {
+pub(crate) fn engine(scene: Arc<Scene>, setups: &[Setup], session: u64) -> Engine {
     let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
     Engine::new(scene, ports, Options { session, ..Options::default() })
 }

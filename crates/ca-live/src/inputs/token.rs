@@ -4,10 +4,10 @@
 //! works with every OSC controller, since all let people choose addresses. It lies in a file because other users see the
 //! arguments of a command. The file is kept, so that the patch of a controller is set up once.
 
-use crate::outcome::Failure;
 use ca_device_tools::store;
 use ca_haptic::host::site::uid;
 use ca_io::atomic_file;
+use ca_lab::Failure;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::os::unix::fs::MetadataExt as _;

@@ -6,12 +6,12 @@ mod midi;
 mod osc;
 mod token;
 
-use super::devices;
-use crate::args::ServeArgs;
-use crate::outcome::Failure;
+use crate::request::InputOptions;
 use ca_audio::EventReader;
 use ca_core::Scene;
 use ca_haptic::serve::Recorder;
+use ca_lab::Failure;
+use ca_lab::take::devices;
 use ca_session::Midi;
 use midi::Cables;
 use osc::Osc;
@@ -30,34 +30,34 @@ pub(crate) struct Inputs {
 
 impl Inputs {
     /// Opens what is asked for; `plays` where a MIDI device that is there needs no asking; `events` of the server of sound.
-    pub(super) fn open(
-        args: &ServeArgs,
+    pub(crate) fn open(
+        options: &InputOptions,
         scene: &Scene,
         plays: bool,
         events: Option<EventReader>,
     ) -> Result<Inputs, Failure> {
         // forces on a hand follow from what it does
-        let closed = args.osc_token.is_some() || !devices(scene).is_empty();
-        let osc = match args.osc {
-            Some(port) => Some(Osc::open(port, Token::open(args.osc_token.as_deref(), closed)?, closed)?),
+        let closed = options.osc_token.is_some() || !devices(scene).is_empty();
+        let osc = match options.osc {
+            Some(port) => Some(Osc::open(port, Token::open(options.osc_token.as_deref(), closed)?, closed)?),
             None => None,
         };
         Ok(Inputs {
             midi: Midi::new(scene),
             begun: Instant::now(),
-            cables: Cables::open(args.midi.as_deref(), plays)?,
+            cables: Cables::open(options.midi.as_deref(), plays)?,
             events,
             osc,
         })
     }
 
     /// The server of sound is another one, which brings these, or none.
-    pub(super) fn served(&mut self, events: Option<EventReader>) {
+    pub(crate) fn served(&mut self, events: Option<EventReader>) {
         self.events = events;
     }
 
     /// What there is, in words.
-    pub(super) fn said(&self) -> Vec<String> {
+    pub(crate) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
         let osc = self.osc.iter().map(Osc::said);
         let events = self.events.iter().map(|e| format!("MIDI: {}", e.name()));
@@ -65,7 +65,7 @@ impl Inputs {
     }
 
     /// One turn: what came since the last one; OSC until `end`, the rest waits.
-    pub(super) fn turn(&mut self, recorder: &mut Recorder, end: Instant) {
+    pub(crate) fn turn(&mut self, recorder: &mut Recorder, end: Instant) {
         // it waits where it is
         if recorder.is_swapping() {
             return;

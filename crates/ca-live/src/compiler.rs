@@ -1,6 +1,6 @@
 //! Edit and hear: a separate thread reads and compiles a model that was saved or changed.
 
-use crate::args::{ServeArgs, Source};
+use crate::request::ModelSource;
 use crate::watch::Watch;
 use ca_compile::Options;
 use ca_haptic::coupling;
@@ -18,8 +18,8 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 type Making = (Vec<String>, Result<Box<Made>, String>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
-pub(super) struct Compiler {
-    source: Source,
+pub(crate) struct Compiler {
+    source: ModelSource,
     options: Options,
     /// the file, where the model is one
     file: Option<Watch>,
@@ -28,10 +28,10 @@ pub(super) struct Compiler {
 }
 
 impl Compiler {
-    pub(super) fn new(args: &ServeArgs, options: &Options) -> Compiler {
-        let source = args.source.clone();
-        let mut file = Watch::of(&source.model);
-        if let (Some(file), Ok(loaded)) = (&mut file, crate::load::read(&source.model)) {
+    pub(crate) fn new(source: &ModelSource, options: &Options) -> Compiler {
+        let source = source.clone();
+        let mut file = Watch::of(&source.word);
+        if let (Some(file), Ok(loaded)) = (&mut file, (source.read)()) {
             file.also(&load::part_files(&loaded.model));
         }
         Compiler { file, source, options: options.clone(), making: None }
@@ -78,13 +78,13 @@ impl Maker for Compiler {
 
     fn gone(&mut self) -> Option<String> {
         let gone = self.file.as_mut().is_some_and(Watch::is_gone);
-        gone.then(|| format!("`{}` is not there any more, or is no file; save it again", self.source.model))
+        gone.then(|| format!("`{}` is not there any more, or is no file; save it again", self.source.word))
     }
 }
 
 /// Reads and compiles.
 fn make(
-    source: &Source,
+    source: &ModelSource,
     changes: &[(String, String)],
     (options, setups): (Options, &[Setup]),
     anew: bool,
@@ -95,9 +95,9 @@ fn make(
         Failure::Found(found) => render::text(&found.diags, &found.model, false),
         Failure::Stopped => "stopped".into(),
     };
-    let mut loaded = crate::load::read(&source.model).map_err(words)?;
+    let mut loaded = (source.read)().map_err(words)?;
     *files = load::part_files(&loaded.model);
-    let changes: Vec<_> = source.changes().chain(changes.iter().cloned()).collect();
+    let changes: Vec<_> = source.changes.iter().chain(changes).cloned().collect();
     for (name, value) in &changes {
         load::set_typed(&mut loaded, name, value).map_err(words)?;
     }

@@ -1,0 +1,185 @@
+//! The sinks of a performance: the messages, the sound file and the take, each on a separate thread.
+
+use crate::request::Listener;
+use ca_core::Scene;
+use ca_haptic::rt::RtRequest;
+use ca_haptic::serve::{AsyncSink, BufferLimits, Notice, Shared, Sink, SinkStreams, Summary, WavSink};
+use ca_haptic::take::{Finished, Header, TakeWriter};
+use ca_io::sound::{Format, WavOut, Written};
+use ca_io::{FileError, atomic_file};
+use ca_lab::Failure;
+use ca_lab::load::has_extension;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// How long a terminal that stands still is waited for at the end.
+const TERMINAL: Duration = Duration::from_secs(1);
+
+/// Refuses to write the sound of a performance to a file with another ending than `.wav`, and to standard output, which has the
+/// summary.
+///
+/// # Errors
+/// [`Failure::Usage`] with the reason.
+pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
+    if atomic_file::is_stdout(path) {
+        let what = format!("`{}`: the summary goes to standard output", path.display());
+        return Err(Failure::Usage(format!("{what}; name a file `.wav` or a FIFO")));
+    }
+    // a device such as /dev/null does not need an ending
+    let plain = !path.exists() || path.is_file();
+    if plain && !has_extension(path, "wav") {
+        let what = format!("`{}`: sound is written as WAV", path.display());
+        return Err(Failure::Usage(format!("{what}; give the file the extension `.wav`")));
+    }
+    Ok(())
+}
+
+/// The messages of a performance.
+struct Words(Arc<dyn Listener>);
+
+impl Sink for Words {
+    fn streams(&self) -> SinkStreams {
+        SinkStreams::WORDS
+    }
+
+    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+        if notice.bad {
+            self.0.warning(&notice.text);
+        } else {
+            self.0.progress(&notice.text);
+        }
+        Ok(())
+    }
+}
+
+/// All sinks, and the files behind them.
+pub(crate) struct Output {
+    sinks: Vec<Box<dyn Sink>>,
+    words: Option<AsyncSink<Words>>,
+    sound: Option<AsyncSink<WavSink>>,
+    take: Option<AsyncSink<TakeWriter>>,
+    /// dropped after `take`, so that its file is closed when it is removed
+    unplayed: Unplayed,
+}
+
+/// The file of a take without a frame yet, which is removed if the performance does not begin.
+struct Unplayed(Option<PathBuf>);
+
+impl Drop for Unplayed {
+    fn drop(&mut self) {
+        if let Some(path) = &self.0 {
+            let _ = std::fs::remove_file(path);
+        }
+    }
+}
+
+impl Output {
+    /// The messages alone; the recorder itself gives them to the listener if it `waits` for it.
+    pub(crate) fn open(listener: &Arc<dyn Listener>, waits: bool, capacity: BufferLimits) -> Result<Output, Failure> {
+        let mut output = Output { sinks: Vec::new(), words: None, sound: None, take: None, unplayed: Unplayed(None) };
+        let words = Words(listener.clone());
+        if waits {
+            output.sinks.push(Box::new(words));
+        } else {
+            output.words = Some(output.aside("ca terminal", words, (capacity, RtRequest::default()))?);
+        }
+        Ok(output)
+    }
+
+    /// The sinks that the recorder gets.
+    pub(crate) fn sinks(&mut self) -> &mut Vec<Box<dyn Sink>> {
+        &mut self.sinks
+    }
+
+    /// Begins the sound file.
+    pub(crate) fn sound(
+        &mut self,
+        path: Option<&Path>,
+        scene: &Scene,
+        thread: (BufferLimits, RtRequest),
+    ) -> Result<(), Failure> {
+        let Some(path) = path else { return Ok(()) };
+        if scene.channels == 0 {
+            return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into()));
+        }
+        check_wav_path(path)?;
+        let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
+        self.sound = Some(self.aside("ca sound", WavSink::new(out, scene.channels), thread)?);
+        Ok(())
+    }
+
+    /// Begins the take.
+    pub(crate) fn take(
+        &mut self,
+        path: Option<&Path>,
+        header: impl FnOnce() -> Header,
+        scene: &Scene,
+        thread: (BufferLimits, RtRequest),
+    ) -> Result<(), Failure> {
+        let Some(path) = path else { return Ok(()) };
+        let writer = TakeWriter::create(path, &header(), scene)?;
+        self.unplayed.0 = Some(path.into());
+        self.take = Some(self.aside("ca take", writer, thread)?);
+        Ok(())
+    }
+
+    pub(crate) fn has_take(&self) -> bool {
+        self.take.is_some()
+    }
+
+    /// The performance has begun: its take is kept.
+    pub(crate) fn begun(&mut self) {
+        self.unplayed.0 = None;
+    }
+
+    /// Names of the threads of files, with the grants of the system.
+    pub(crate) fn granted(&self) -> Vec<(String, String)> {
+        let sound = self.sound.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string()));
+        let take = self.take.as_ref().map(|t| ("take".to_string(), t.granted().to_string()));
+        sound.into_iter().chain(take).collect()
+    }
+
+    /// Waits for the messages, for a limited time.
+    pub(crate) fn leave_terminal(&mut self) {
+        if let Some(words) = self.words.take() {
+            words.leave(TERMINAL);
+        }
+    }
+
+    /// Finishes the files, and adds failures to the summary.
+    pub(crate) fn finish(
+        mut self,
+        shared: &Shared,
+        summary: &mut Summary,
+        listener: &dyn Listener,
+    ) -> (Option<Written>, Option<Finished>) {
+        // records without a place in the rings, and those that waited for the take too long
+        let waited = self.take.as_ref().map_or([0; 3], AsyncSink::lost);
+        let lost = std::array::from_fn(|k| shared.lost()[k] + waited[k]);
+        let mut broken = |e: FileError| {
+            listener.error(&e.to_string());
+            summary.broken.push(e.to_string());
+        };
+        let written = self.sound.take().map(|w| w.end().and_then(|w| w.map(WavSink::finish).transpose()));
+        let written = written.and_then(|w| w.map_err(&mut broken).ok().flatten());
+        let finished = self.take.take().map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
+        let finished = finished.and_then(|t| t.map_err(&mut broken).ok().flatten());
+        if let Some(lost) = finished.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
+            listener.warning(&format!("the take has holes: {lost} records or samples found no room"));
+        }
+        (written, finished)
+    }
+
+    /// Adds a sink that a separate thread writes.
+    fn aside<T: Sink + Send + 'static>(
+        &mut self,
+        name: &str,
+        sink: T,
+        (capacity, request): (BufferLimits, RtRequest),
+    ) -> Result<AsyncSink<T>, Failure> {
+        let (line, aside) = AsyncSink::start(name, sink, capacity, request)?;
+        self.sinks.push(Box::new(line));
+        Ok(aside)
+    }
+}

@@ -1,0 +1,140 @@
+//! The page of a performance: gives its requests to the session.
+
+use crate::compiler::Compiler;
+use crate::inputs::Inputs;
+use crate::language::ModelLanguage;
+use crate::request::{Listener, PageOptions, Request};
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_haptic::engine::Setup;
+use ca_haptic::serve::{Kept, Recorder, Shared, Sink};
+use ca_haptic::take::Header;
+use ca_lab::Failure;
+use ca_play::{Keep, Page, PageRequest, TapeSink};
+use ca_session::{Language as _, PageSink, Parts, Session};
+use ca_view::Drawing;
+use std::any::Any;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// The usual port of a page.
+const PORT: u16 = 8730;
+
+/// The performance for which a page opens.
+pub(crate) struct Opening<'a> {
+    pub(crate) request: &'a Request,
+    pub(crate) scene: &'a Arc<Scene>,
+    pub(crate) options: &'a Options,
+    /// of a take, if the performance writes none and has no device
+    pub(crate) header: Option<Header>,
+}
+
+/// A page and its session.
+pub(crate) struct Desk {
+    page: Page,
+    session: Session,
+}
+
+impl Desk {
+    /// Opens the page and adds its sinks.
+    ///
+    /// # Errors
+    /// If the port is taken.
+    pub(crate) fn open(
+        options: PageOptions,
+        opening: Opening<'_>,
+        listener: &Arc<dyn Listener>,
+        sinks: &mut Vec<Box<dyn Sink>>,
+    ) -> Result<Desk, Failure> {
+        let Opening { request, scene, options: compile, header } = opening;
+        let name = &request.loaded.name;
+        let mut kept = None;
+        if let Some(header) = header {
+            match Kept::begin(&header, scene) {
+                Ok((begun, line)) => {
+                    sinks.push(Box::new(line));
+                    kept = Some(begun);
+                }
+                Err(e) => listener.warning(&format!("what is played cannot be saved as a take afterwards: {e}")),
+            }
+        }
+        let tape = TapeSink::default();
+        sinks.push(Box::new(tape.clone()));
+        let keep = Keep::new(name, kept, tape);
+        let drawing = Arc::new(Drawing::new(scene));
+        let greeting = ca_session::greeting(scene, &drawing, name, 1, ModelLanguage.stability(scene));
+        let page = |port| Page::open(port, &greeting, options.framed);
+        let page = match options.port {
+            Some(port) => page(port).map_err(|e| {
+                Failure::Failed(format!("no page at port {port}: {e}; leave out --port for a free one"))
+            })?,
+            None => page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("no page: {e}")))?,
+        };
+        let sink = PageSink::new(Box::new(page.feed()), drawing.clone(), scene);
+        let parts = Parts {
+            pages: Box::new(page.feed()),
+            language: Box::new(ModelLanguage),
+            maker: Box::new(Compiler::new(&request.source, compile)),
+            files: Box::new(keep),
+            name: name.clone(),
+            allow_arm: options.allow_arm,
+        };
+        let session = Session::new(parts, scene.clone(), drawing, &sink);
+        sinks.push(Box::new(sink));
+        Ok(Desk { page, session })
+    }
+
+    pub(crate) fn address(&self) -> String {
+        self.page.address()
+    }
+
+    /// The sound has another output.
+    pub(crate) fn sounds_by(&mut self, host: &str) {
+        self.session.sounds_by(host);
+    }
+
+    /// Changes a number of the model, as by `--set`.
+    ///
+    /// # Errors
+    /// In words, if the model cannot be compiled again.
+    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+        self.session.change(name, value)
+    }
+
+    /// Closes the page and ends the session; its files are finished when the result is dropped.
+    pub(crate) fn close(self) -> Box<dyn Any> {
+        let Desk { page, session } = self;
+        drop(page);
+        Box::new(session.close())
+    }
+
+    /// One turn: requests of pages, at least one and none after `end`, and messages to pages. The model is not replaced while
+    /// `setups` is `None`. True if a page asks to stop.
+    pub(crate) fn turn(
+        &mut self,
+        recorder: &mut Recorder,
+        inputs: &mut Inputs,
+        setups: Option<&[Setup]>,
+        (shared, end): (&Shared, Instant),
+    ) -> bool {
+        let mut leave = false;
+        if !self.session.turn(recorder, &mut inputs.midi, setups) {
+            return leave;
+        }
+        let mut late = false;
+        while !late {
+            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
+            late = Instant::now() >= end;
+            match request {
+                Some(asked) => {
+                    let now = inputs.now();
+                    leave |= self.session.ask(recorder, &mut inputs.midi, (client, asked), now);
+                }
+                None => self.session.left(recorder, client),
+            }
+        }
+        let now = inputs.now();
+        self.session.news(recorder, &inputs.midi, shared, now);
+        leave
+    }
+}

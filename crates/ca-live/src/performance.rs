@@ -1,0 +1,282 @@
+//! A performance from its request to its report.
+
+use crate::connections::Connections;
+use crate::inputs::Inputs;
+use crate::output::Output;
+use crate::page::{self, Desk};
+use crate::report::Report;
+use crate::request::{Asked, Listener, Pace, Request, ThreadOptions};
+use crate::{setup, sound};
+use ca_audio::Switch;
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_haptic::coupling;
+use ca_haptic::engine::{Engine, Setup};
+use ca_haptic::guard::Order;
+use ca_haptic::profile::Profile;
+use ca_haptic::rt::{self, RtRequest};
+use ca_haptic::serve::{BufferLimits, Clock, Live, RecordIntervals, Recorder, Shared, rings};
+use ca_haptic::take::Header;
+use ca_lab::take::devices;
+use ca_lab::{Failure, load};
+use ca_model::diag::Severity;
+use ca_session::answer;
+use std::sync::Arc;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::mpsc::Receiver;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Between two turns of the recorder, and the most time that inputs, and then pages, take of one.
+const TURN: Duration = Duration::from_millis(2);
+
+/// Between two sweeps of dead processes, in turns.
+const SWEEP: u64 = 250;
+/// Pictures a second in a take.
+const PICTURES: u32 = 60;
+/// Places of the largest scene whose state is hashed every second.
+const HASHED: usize = 10_000;
+/// How long the engine waits for a device that sets the pace \[ns\].
+const PATIENCE: u64 = 100_000_000;
+/// Share of the cores that this thread and those of files ask for: twelve times the share of another program.
+const NICE: i8 = -11;
+
+/// A model that is compiled for the devices it meets.
+struct Compiled {
+    options: Options,
+    scene: Arc<Scene>,
+    /// the devices as described, and of those without a description the most they may do
+    setups: Vec<Setup>,
+    unknown: Vec<Option<Profile>>,
+    /// the same devices with softened couplings, and these in words
+    played: Vec<Setup>,
+    softened: Vec<String>,
+}
+
+/// All threads and lines of a performance besides the engine.
+struct Parts {
+    recorder: Recorder,
+    connections: Connections,
+    inputs: Inputs,
+    sound: Switch,
+    desk: Option<Desk>,
+    asked: Option<Receiver<Asked>>,
+    shared: Arc<Shared>,
+}
+
+/// Plays in real time until the length is over, or until it is stopped: by `shared` of [`Listener::begins`], `ca stop`, the page,
+/// or [`Request::asked`].
+///
+/// # Errors
+/// [`Failure::Found`] if the model has errors, [`Failure::Usage`] if the request does not fit the model, and
+/// [`Failure::Failed`] if something cannot be opened. Nothing was played then, and no file is left.
+pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Failure> {
+    let Compiled { options, scene, setups, unknown, played, softened } = compile(&request, &**listener)?;
+    let names = devices(&scene);
+    if request.devices.pace == Pace::Device && names.is_empty() {
+        return Err(Failure::Usage("--clock device: the model has no device".into()));
+    }
+    if names.is_empty() && request.page.is_none() {
+        listener
+            .note("the model has no device: nobody can play it from one; `ca play` lets you touch it in the browser");
+    }
+    let session = ca_haptic::host::session();
+    let engine = setup::engine(scene.clone(), &played, session);
+
+    // the rings must be emptied and people answered on a busy machine too; threads inherit it
+    let busy = RtRequest { nice: (request.thread.priority > 0).then_some(NICE), ..RtRequest::default() };
+    rt::ask(busy);
+    let shared = Arc::new(Shared::default());
+    listener.begins(&shared);
+    let capacity = BufferLimits::of(&scene);
+    // a terminal may stand still: neither a hand nor a page waits for it
+    let waits = names.is_empty() && request.page.is_none();
+    let mut output = Output::open(listener, waits, capacity)?;
+    output.sound(request.files.sound.as_deref(), &scene, (capacity, busy))?;
+    if request.sound.device.is_some() && scene.channels == 0 {
+        return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
+    }
+    let header = || {
+        let changes = request.source.changes.clone();
+        Header::new(&request.loaded.model, changes, options.clone(), &scene, played.clone(), engine.options())
+    };
+    output.take(request.files.take.as_deref(), header, &scene, (capacity, busy))?;
+    let desk = match request.page {
+        Some(page) => {
+            let header = (!output.has_take() && names.is_empty()).then(header);
+            let opening = page::Opening { request: &request, scene: &scene, options: &options, header };
+            Some(Desk::open(page, opening, listener, output.sinks())?)
+        }
+        None => None,
+    };
+
+    let looks = output.has_take() || desk.is_some();
+    let pictures = if looks { PICTURES } else { 0 };
+    let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
+    let sinks = std::mem::take(output.sinks());
+    let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
+    for text in softened {
+        recorder.say(true, text);
+    }
+    let with_page = desk.is_some();
+    let below = thread(request.thread, -5);
+    let (mut sound, outlet) = sound::open(&request, &scene, &mut recorder, below, &**listener)?;
+    ends.audio = outlet;
+    let inputs = Inputs::open(&request.inputs, &scene, with_page, sound.events())?;
+    inputs.said().into_iter().for_each(|text| recorder.say(false, text));
+    if request.gesture {
+        recorder.gesture(true).map_err(Failure::Failed)?;
+    }
+    let connections = Connections::open((&setups, unknown), &scene, gateway_ends, below, with_page, &**listener)?;
+    if request.devices.arm {
+        recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
+    }
+
+    let clock = match request.devices.pace {
+        // the clock of the sound device, if there is one
+        Pace::Monotonic => Clock::Audio,
+        Pace::Device => Clock::Device { patience: PATIENCE },
+    };
+    let frame_rate = scene.rate / f64::from(scene.ratio);
+    let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
+    let every = RecordIntervals {
+        energy: each(100.0, request.energy),
+        view: each(f64::from(PICTURES), looks),
+        // of a large state it would take longer than a frame has
+        hash: each(1.0, looks && scene.n_mat <= HASHED),
+    };
+    let frames = request.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
+    let live = Live::new(engine, ends, shared.clone(), clock, every);
+    sound.start().map_err(|e| Failure::Failed(e.to_string()))?;
+    let mut parts = Parts { recorder, connections, inputs, sound, desk, asked: request.asked, shared };
+    parts.say_sound(scene.channels);
+    let (engine, granted) = engine_thread(live, thread(request.thread, 0), frames)?;
+    output.begun();
+    if let Some(desk) = &parts.desk {
+        listener.page_opened(&desk.address());
+    }
+    let mut threads = vec![("engine".to_string(), granted)];
+    threads.extend(parts.connections.granted().map(|g| ("gateway".to_string(), g)));
+    threads.extend(output.granted());
+    for (name, granted) in &threads {
+        listener.progress(&format!("{name}: {granted}"));
+    }
+    for s in played.iter().filter(|s| !s.profile.is_unknown()) {
+        listener.progress(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
+    }
+
+    let engine = parts.attend(engine);
+    // files of the page are finished after all records have come
+    let files = parts.desk.map(Desk::close);
+    parts.sound.end(scene.rate);
+    let traffic = parts.connections.end();
+    let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
+    parts.recorder.poll();
+    output.leave_terminal();
+    let mut summary = parts.recorder.summary(&engine, threads);
+    drop(files);
+    let (sound, take) = output.finish(&parts.shared, &mut summary, &**listener);
+    let sound = request.files.sound.zip(sound);
+    let take = request.files.take.zip(take);
+    Ok(Report { name: request.loaded.name, rate: scene.rate, summary, traffic, sound, take })
+}
+
+fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failure> {
+    let loaded = &request.loaded;
+    let mut options = Options {
+        rate: request.source.rate,
+        energy: request.energy,
+        clouds: loaded.clouds.clone(),
+        whole: request.page.is_some_and(|p| !p.lean),
+        ..Options::default()
+    };
+    let compiled = load::scene(loaded, &options)?;
+    let mut warnings = compiled.findings.clone();
+    warnings.list.retain(|d| d.severity == Severity::Warning);
+    if !warnings.list.is_empty() {
+        listener.findings(&warnings, &loaded.model);
+    }
+    let (setups, unknown) = setup::setups(&request.devices, &compiled.scene, listener)?;
+    let met = coupling::meet(compiled, &setups, &mut options, |options| load::scene(loaded, options));
+    let (softened, played) = (met.said(), met.setups(&setups));
+    let scene = Arc::new(met.compiled.scene);
+    Ok(Compiled { options, scene, setups, unknown, played, softened })
+}
+
+/// The request of a thread, `lower` than the engine.
+fn thread(options: ThreadOptions, lower: i32) -> RtRequest {
+    let priority = (options.priority > 0).then(|| (i32::from(options.priority) + lower).clamp(1, 99) as u8);
+    let of_engine = lower == 0;
+    RtRequest { priority, cpu: options.cpu.filter(|_| of_engine), lock: options.lock && of_engine, nice: None }
+}
+
+/// Starts the engine on its thread. The grants of the system are known before the first frame.
+fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
+    let (tell, reported) = std::sync::mpsc::channel();
+    let thread = std::thread::Builder::new()
+        .name("ca engine".into())
+        .spawn(move || {
+            let _ = tell.send(rt::ask(request).to_string());
+            live.run(frames)
+        })
+        .map_err(|e| Failure::Failed(format!("no thread for the engine: {e}")))?;
+    Ok((thread, reported.recv().unwrap_or_default()))
+}
+
+impl Parts {
+    /// Reports what plays the sound.
+    fn say_sound(&mut self, channels: usize) {
+        match self.recorder.heard() {
+            Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
+            None if self.desk.is_some() && channels > 0 => {
+                self.recorder.say(false, "sound: by the page, which says how late".into());
+            }
+            None => {}
+        }
+        if let Some((desk, host)) = self.desk.as_mut().zip(self.sound.host()) {
+            desk.sounds_by(host);
+        }
+    }
+
+    /// Runs the recorder until the engine ends.
+    fn attend(&mut self, thread: JoinHandle<Engine>) -> std::thread::Result<Engine> {
+        let mut turns = 0_u64;
+        while !thread.is_finished() {
+            let (inputs, desk) = (&mut self.inputs, &mut self.desk);
+            self.sound.turn(&mut self.recorder, &mut |events, host| {
+                inputs.served(events);
+                if let Some(desk) = desk {
+                    desk.sounds_by(host);
+                }
+            });
+            self.recorder.poll();
+            if self.turn(turns.is_multiple_of(SWEEP)) {
+                self.shared.stop.store(true, Relaxed);
+            }
+            turns += 1;
+            std::thread::sleep(TURN);
+        }
+        thread.join()
+    }
+
+    /// One turn of all inputs. True if one of them asks to stop.
+    fn turn(&mut self, sweep: bool) -> bool {
+        let (recorder, desk) = (&mut self.recorder, &mut self.desk);
+        let mut leave = match desk {
+            Some(desk) => self.connections.turn(recorder, sweep, Some(&mut |name, value| desk.change(name, value))),
+            None => self.connections.turn(recorder, sweep, None),
+        };
+        while let Some((request, reply)) = self.asked.as_ref().and_then(|asked| asked.try_recv().ok()) {
+            let mut change = desk.as_mut().map(|desk| |name: &str, value: &str| desk.change(name, value));
+            let change = change.as_mut().map(|change| change as ca_session::Change<'_>);
+            let _ = reply.send(answer(recorder, &crate::ModelLanguage, request, &mut leave, change));
+        }
+        // requests without end wait; an order to disarm came before
+        let end = Instant::now() + TURN;
+        self.inputs.turn(recorder, end);
+        let end = Instant::now() + TURN;
+        let setups = self.connections.setups();
+        leave |= desk.as_mut().is_some_and(|d| d.turn(recorder, &mut self.inputs, setups, (&self.shared, end)));
+        leave
+    }
+}
