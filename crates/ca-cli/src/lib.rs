@@ -13,7 +13,6 @@ mod outcome;
 mod outputs;
 mod page;
 mod term;
-mod watch;
 
 use args::{Cli, Command};
 use clap::FromArgMatches as _;
