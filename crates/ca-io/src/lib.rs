@@ -42,8 +42,6 @@
 #[cfg(feature = "files")]
 pub mod atomic_file;
 #[cfg(feature = "files")]
-pub mod cables;
-#[cfg(feature = "files")]
 pub mod cloud;
 #[cfg(feature = "files")]
 pub mod ending;

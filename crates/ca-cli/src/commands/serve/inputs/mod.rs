@@ -11,7 +11,7 @@ use crate::outcome::Failure;
 use ca_audio::EventReader;
 use ca_core::Scene;
 use ca_haptic::serve::Recorder;
-use ca_io::cables::{self, Cables};
+use ca_io::live_midi::cables::{self, Cables};
 use ca_session::Midi;
 use osc::Osc;
 use std::path::Path;

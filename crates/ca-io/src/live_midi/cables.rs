@@ -3,8 +3,8 @@
 //! Decides for plain files, which need no library and no header, and for a thread each, since a device is read by waiting; how
 //! much waits for this process has a bound, so that a pipe without end takes no memory.
 
+use super::Cable;
 use crate::error::{FileError, FileErrorKind};
-use crate::live_midi::Cable;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
