@@ -2,7 +2,7 @@
 //! clouds of points) and a scene played to its end without a device are in `ca-io`.
 //!
 //! ```text
-//! frame, profile, calibration, equivalence → guard → engine → coupling, record, version → serve
+//! frame, profile, calibration, equivalence → guard → engine → coupling, admission, record, version → serve
 //!                                 rt, stats ──────────────────────────────┘
 //! simulated (a device as physics)    host (shared memory, feature `iceoryx`)    take (MCAP, feature `mcap`)
 //! ```
@@ -13,6 +13,8 @@
 //! needs the client of [`host`] alone (`examples/device.rs`, `examples/device.c`, docs/devices.md); who plays scenes begins with [`serve`].
 //!
 //! What is not here: the tick (`ca-core`), models (`ca-model`, `ca-compile`), and what people type and see (`ca-cli`, `ca-play`).
+#[cfg(feature = "system")]
+pub mod admission;
 mod blocks;
 pub mod calibration;
 pub mod control;

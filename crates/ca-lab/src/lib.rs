@@ -26,6 +26,7 @@ pub mod take;
 pub mod timing;
 pub mod tune;
 pub mod view;
+pub mod watch;
 
 pub use cordis_anima::{Found, Loaded, catalog};
 

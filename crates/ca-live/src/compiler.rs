@@ -1,11 +1,11 @@
 //! Edit and hear: a separate thread reads and compiles a model that was saved or changed.
 
 use crate::request::ModelSource;
-use crate::watch::Watch;
 use ca_compile::Options;
 use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::version::{ModelText, Version};
+use ca_lab::watch::Watch;
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
 use ca_model::render;

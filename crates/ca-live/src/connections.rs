@@ -5,11 +5,8 @@ use crate::report::Traffic;
 use crate::request::Listener;
 use crate::setup::host_failure;
 use ca_core::Scene;
-use ca_core::kind::Unit;
-use ca_core::scene::Input;
-use ca_haptic::coupling;
+use ca_haptic::admission::{Undescribed, differences};
 use ca_haptic::engine::Setup;
-use ca_haptic::frame::About;
 use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
 use ca_haptic::profile::Profile;
@@ -17,7 +14,6 @@ use ca_haptic::rt::RtRequest;
 use ca_haptic::serve::{GatewayEnds, Recorder};
 use ca_lab::Failure;
 use ca_lab::take::dofs;
-use ca_model::quantity::{show, six};
 use ca_session::{Change, answer};
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
@@ -31,7 +27,7 @@ pub(crate) struct Connections {
     names: Vec<String>,
     setups: Vec<Setup>,
     /// what the scene wants of devices that nobody has described, and what they may do at most
-    unknown: Vec<Option<Unknown>>,
+    unknown: Vec<Option<Undescribed>>,
     /// devices that said what they are, and the engine does not know it yet
     refits: Vec<u32>,
     site: Option<Site>,
@@ -54,7 +50,8 @@ impl Connections {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
         let wanted = setups.iter().map(|s| dofs(scene, &s.device));
-        let unknown = unknown.into_iter().zip(wanted).map(|(p, wanted)| Some(Unknown { most: p?, wanted })).collect();
+        let unknown =
+            unknown.into_iter().zip(wanted).map(|(p, wanted)| Some(Undescribed { most: p?, wanted })).collect();
         let setups = setups.to_vec();
         let mut talk = Connections {
             names: names.clone(),
@@ -149,7 +146,7 @@ impl Connections {
                             Err(why) => recorder.say(true, format!("{name}: {why}")),
                         },
                         None => {
-                            for what in differs(&setup.profile, &about) {
+                            for what in differences(&setup.profile, &about) {
                                 recorder.say(true, format!("{name}: {what}"));
                             }
                         }
@@ -175,68 +172,4 @@ impl Connections {
         }
         leave
     }
-}
-
-/// A device that nobody has described: what it is comes from itself.
-struct Unknown {
-    /// what such a device may do at most
-    most: Profile,
-    /// degrees of freedom the scene uses
-    wanted: u32,
-}
-
-impl Unknown {
-    /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
-    fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, String> {
-        let p = self.most.described(about)?;
-        let of = |i: &Input| i.device.as_ref().is_some_and(|d| d.0 == setup.device && d.1 < p.dof);
-        if p.dof < self.wanted && (p.axes > 1 || !scene.inputs.iter().any(of)) {
-            let (n, wanted) = (p.dof, self.wanted);
-            return Err(format!("the model uses {wanted} of its degrees of freedom and it has {n}: it is not played"));
-        }
-        if p == setup.profile {
-            return Ok(None);
-        }
-        let said = Setup { profile: p, ..setup.clone() };
-        // couplings were chosen for what such a device holds as far as was known
-        if let Some((key, k)) = coupling::beyond(scene, &said) {
-            let k = show(six(k), Unit::STIFFNESS);
-            return Err(format!(
-                "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in a \
-                 profile (`--profile`)"
-            ));
-        }
-        *setup = said;
-        let p = &setup.profile;
-        let others = if p.dof < self.wanted {
-            format!("; the model has keys for {}, of which MIDI and gestures play the others", self.wanted)
-        } else {
-            String::new()
-        };
-        let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
-        Ok(Some(format!(
-            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it{others}",
-            p.title, p.dof, p.rate, p.force
-        )))
-    }
-}
-
-/// Where a device says less of itself than its profile does, which is what the guard goes by.
-fn differs(p: &Profile, a: &About) -> Vec<String> {
-    let n = (a.n as usize).min(p.dof as usize);
-    let least = a.force[..n].iter().copied().fold(f32::INFINITY, f32::min);
-    let mut list = Vec::new();
-    if u32::from(a.n) < p.dof {
-        list.push(format!(
-            "has {} degrees of freedom, its profile `{}` {}: its frames are not used; give it a profile with `dof = {}`",
-            a.n, p.name, p.dof, a.n
-        ));
-    }
-    if f64::from(least) < p.force * (1.0 - 1e-6) && least > 0.0 {
-        list.push(format!("gives at most {least} N, its profile `{}` {}", p.name, p.force));
-    }
-    if (f64::from(a.rate) / p.rate - 1.0).abs() > 0.05 {
-        list.push(format!("sends {} frames a second, its profile `{}` {}", a.rate, p.name, p.rate));
-    }
-    list
 }

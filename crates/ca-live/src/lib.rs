@@ -1,8 +1,7 @@
 //! A model played in real time: its engine, sound, MIDI, OSC, page, devices and files, as `ca serve`, `ca play` and Python use it.
 //!
 //! [`play`] runs a whole performance on the calling thread: a [`Request`] says what is played and by what, a [`Listener`] gets
-//! the messages, and the result is a [`Report`]. Nothing is printed here, and nothing ends the process. [`watch`] looks for changes of a model's
-//! file.
+//! the messages, and the result is a [`Report`]. Nothing is printed here, and nothing ends the process.
 //!
 //! The engine thread computes, the gateway thread moves frames between shared memory and rings, and threads of files write. The
 //! calling thread does everything else that may take time. A model without devices has no gateway and no shared memory; one
@@ -20,7 +19,6 @@ mod report;
 mod request;
 mod setup;
 mod sound;
-pub mod watch;
 
 pub use language::ModelLanguage;
 pub use output::check_wav_path;

@@ -1,6 +1,7 @@
 //! Error of a model, and the run time of less error.
 
-use super::{Source, seconds};
+use super::Source;
+use super::common::seconds;
 use clap::Args;
 use std::path::PathBuf;
 

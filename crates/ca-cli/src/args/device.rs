@@ -1,6 +1,6 @@
 //! `ca device`: what can be typed.
 
-use super::{hertz, metres, seconds, speed};
+use super::common::{hertz, metres, seconds, speed};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 

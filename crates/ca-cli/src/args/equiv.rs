@@ -1,7 +1,7 @@
 //! How large and how heavy a model is in the hand.
 
+use super::common::{pair, quantity_of};
 use super::completions;
-use super::{pair, quantity_of};
 use ca_core::kind::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;

@@ -1,8 +1,8 @@
 //! A model fitted to a recording.
 
+use super::common::{pair, quantity_of};
 use super::completions;
 use super::equiv::WriteTo;
-use super::{pair, quantity_of};
 use ca_core::kind::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;

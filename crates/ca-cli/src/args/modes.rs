@@ -1,6 +1,7 @@
 //! Modes of a model.
 
-use super::{Source, count};
+use super::Source;
+use super::common::count;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -1,6 +1,7 @@
 //! A page about a model or a take.
 
-use super::{Playing, Source, quantity_of};
+use super::common::quantity_of;
+use super::{Playing, Source};
 use ca_core::kind::Unit;
 use clap::Args;
 use std::path::PathBuf;

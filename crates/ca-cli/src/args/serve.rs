@@ -1,6 +1,7 @@
 //! Playing in real time, and what is said to it.
 
-use super::{Source, count, pair, seconds};
+use super::Source;
+use super::common::{count, pair, seconds};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! Parts of a model, tuned.
 
+use super::common::quantity_of;
 use super::completions;
 use super::equiv::WriteTo;
-use super::quantity_of;
 use ca_core::kind::Unit;
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCompleter;

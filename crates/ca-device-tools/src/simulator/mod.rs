@@ -37,7 +37,7 @@ pub struct Simulation {
     pub hand: Hand,
     /// the motion of the hand
     pub script: Script,
-    /// frames that a force is under way before the motors have it
+    /// frames that a force is under way before the motors have it, fewer than [`DOF`]
     pub delay: usize,
     /// seed of the noise on its positions
     pub seed: u64,
@@ -112,10 +112,13 @@ impl Simulator {
     /// Opens the lines of the device.
     ///
     /// # Errors
-    /// If its name is taken, or the force log cannot be written.
+    /// If its name is taken, its delay is too long, or the force log cannot be written.
     pub fn open(options: Simulation) -> Result<Simulator, ToolError> {
         let Simulation { name, profile, hand, script, delay, seed, seconds, waits, lockstep, force_log, priority } =
             options;
+        if delay >= DOF {
+            return Err(ToolError::Usage(format!("a delay of {delay} frames; at most {} are possible", DOF - 1)));
+        }
         let n = profile.dof as usize;
         let device = Device::new(&profile, hand, script, delay, seed);
         let log = force_log.as_deref().map(|path| Log::create(path, n)).transpose()?;

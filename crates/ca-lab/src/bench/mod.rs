@@ -6,6 +6,7 @@
 //! make a tick longer and never shorter.
 
 mod networks;
+pub mod page;
 
 use crate::Failure;
 use crate::timing::Timing;

@@ -1,8 +1,7 @@
-//! Inputs besides devices and pages: cables of MIDI ([`midi`]), a sound server that brings MIDI, and OSC ([`osc`]).
+//! Inputs besides devices and pages: cables of MIDI ([`cables`]), a sound server that brings MIDI, and OSC ([`osc`]).
 //!
 //! [`ca_session::Midi`] decides what an event of MIDI moves.
 
-mod midi;
 mod osc;
 mod token;
 
@@ -10,11 +9,12 @@ use crate::request::InputOptions;
 use ca_audio::EventReader;
 use ca_core::Scene;
 use ca_haptic::serve::Recorder;
+use ca_io::live_midi::cables::{self, Cables};
 use ca_lab::Failure;
 use ca_lab::take::devices;
 use ca_session::Midi;
-use midi::Cables;
 use osc::Osc;
+use std::path::Path;
 use std::time::{Duration, Instant};
 use token::Token;
 
@@ -45,7 +45,7 @@ impl Inputs {
         Ok(Inputs {
             midi: Midi::new(scene),
             begun: Instant::now(),
-            cables: Cables::open(options.midi.as_deref(), plays)?,
+            cables: opened(options.midi.as_deref(), plays)?,
             events,
             osc,
         })
@@ -96,4 +96,30 @@ impl Inputs {
     pub(crate) fn now(&self) -> Duration {
         self.begun.elapsed()
     }
+}
+
+/// The cables that are asked for, all of the machine where no path is given; `plays` where those are opened unasked, if they can be.
+fn opened(asked: Option<&Path>, plays: bool) -> Result<Option<Cables>, Failure> {
+    let (paths, must) = match asked {
+        Some(path) if !path.as_os_str().is_empty() => (vec![path.to_path_buf()], true),
+        Some(_) => (cables::devices(), true),
+        None if plays => (cables::devices(), false),
+        None => return Ok(None),
+    };
+    if paths.is_empty() && must {
+        let why = "--midi: this machine has no MIDI device (/dev/snd/midiC*D*); give the path of one, or of a pipe";
+        return Err(Failure::Failed(why.into()));
+    }
+    for path in &paths {
+        let file = path.display();
+        if let Err(e) = std::fs::metadata(path) {
+            return Err(Failure::Failed(format!("--midi {file}: {e}")));
+        }
+        if must && cables::is_standard_file(path) {
+            return Err(Failure::Usage(format!(
+                "--midi {file}: it is a Standard MIDI File, whose events have times; `ca render MODEL --gesture {file}` plays it"
+            )));
+        }
+    }
+    Ok(if paths.is_empty() { None } else { Some(Cables::open(paths)?) })
 }

@@ -5,15 +5,13 @@ use crate::outcome::Failure;
 use crate::term;
 use ca_core::Scene;
 use ca_io::perform::Performance;
-use ca_lab::facts::level::{decibel, level};
+use ca_lab::facts::level::{SILENT, decibel, level};
 use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
 /// A peak that leaves room: −6 dB of full scale.
 const WANTED: f64 = 0.5;
-/// A peak below which no gain helps.
-const SILENT: f64 = 1e-10;
 
 /// A channel.
 pub(super) struct LevelRow {

@@ -1,12 +1,50 @@
 //! The page of a bench: the tables, and the curve of cost against size.
 
-use super::{Measured, Size, instrument, row, without};
-use ca_lab::bench::{BYTES, PAPER, RATES};
+use super::{BYTES, Fits, Instrument, PAPER, RATES, Size};
+use crate::timing;
+use ca_model::quantity::short;
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
-/// Makes it.
-pub(super) fn page(m: &Measured) -> Report {
-    let mut report = Report::new("Modules in real time", &ca_lab::timing::machine());
+/// All that was measured.
+#[derive(Default)]
+pub struct Measured {
+    /// networks
+    pub fits: Vec<Fits>,
+    /// bundled models
+    pub instruments: Vec<Instrument>,
+    /// a string, and the time of copying its bytes
+    pub curve: Vec<(Size, f64)>,
+}
+
+/// As cells: name, modules at each rate, time of a module.
+pub fn row(f: &Fits) -> [String; 4] {
+    let [a, b] = f.at;
+    [f.name.into(), a.modules.to_string(), b.modules.to_string(), short(a.ns / a.modules.max(1) as f64)]
+}
+
+/// As cells: name, modules, how many at once at each rate, time of a sample at the lowest rate that it plays at.
+pub fn instrument(i: &Instrument) -> [String; 5] {
+    let size = i.at.iter().flatten().next();
+    let [a, b] = i.at_once().map(|n| n.map_or_else(|| "–".into(), |n| n.to_string()));
+    [
+        i.name.into(),
+        size.map_or_else(String::new, |s| s.modules.to_string()),
+        a,
+        b,
+        size.map_or_else(String::new, |s| short(s.ns)),
+    ]
+}
+
+/// A remark on instruments that do not play at one of the rates.
+pub fn without(m: &Measured) -> Option<String> {
+    let missing = |i: &Instrument| Some((i.name, RATES[i.at.iter().position(Option::is_none)?] / 1e3));
+    let (name, rate) = m.instruments.iter().find_map(missing)?;
+    Some(format!("– cannot be played at that rate: `ca render {name} --rate '{rate} kHz'` says why"))
+}
+
+/// Makes the page.
+pub fn page(m: &Measured) -> Report {
+    let mut report = Report::new("Modules in real time", &timing::machine());
     let [a, b] = RATES.map(|r| format!("at {} kHz", r / 1e3));
     if !m.fits.is_empty() {
         let rows = m.fits.iter().map(|f| {
@@ -49,7 +87,7 @@ fn curve(m: &Measured) -> Plot {
     let tick = m.curve.iter().map(|(s, _)| each(s.ns, s)).collect();
     let bytes = m.curve.iter().map(|(s, bytes)| each(*bytes, s)).collect();
     let (least, most) = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
-    let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
+    let marks = timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
     let marks = marks.filter(|(_, modules)| (least..=most).contains(modules));
     Plot {
         title: "A string".into(),

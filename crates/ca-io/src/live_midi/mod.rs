@@ -4,6 +4,9 @@
 //! that ports move as they do from a file ([`MidiPort`]); and that what moves nothing is told, not dropped in silence, though
 //! each kind of it only once. A controller up to 31 is fine where the one 32 above it follows (14 bits).
 
+#[cfg(feature = "files")]
+pub mod cables;
+
 use crate::gesture::{MidiPort, Motion, PortMap};
 use midly::MidiMessage;
 use midly::live::LiveEvent;

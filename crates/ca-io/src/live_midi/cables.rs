@@ -3,8 +3,8 @@
 //! Decides for plain files, which need no library and no header, and for a thread each, since a device is read by waiting; how
 //! much waits for this process has a bound, so that a pipe without end takes no memory.
 
-use ca_io::live_midi::Cable;
-use ca_lab::Failure;
+use super::Cable;
+use crate::error::{FileError, FileErrorKind};
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ enum Came {
 }
 
 /// Cables that are open.
-pub(super) struct Cables {
+pub struct Cables {
     names: Vec<String>,
     open: Vec<Cable>,
     came: Receiver<(usize, Came)>,
@@ -35,47 +35,35 @@ pub(super) struct Cables {
 }
 
 impl Cables {
-    /// Those that are asked for, all of the machine where no path is given; `plays` where those are opened unasked, if they can be.
-    pub(super) fn open(asked: Option<&Path>, plays: bool) -> Result<Option<Cables>, Failure> {
-        let (paths, must) = match asked {
-            Some(path) if !path.as_os_str().is_empty() => (vec![path.to_path_buf()], true),
-            Some(_) => (devices(), true),
-            None if plays => (devices(), false),
-            None => return Ok(None),
-        };
-        if paths.is_empty() && must {
-            let why = "--midi: this machine has no MIDI device (/dev/snd/midiC*D*); give the path of one, or of a pipe";
-            return Err(Failure::Failed(why.into()));
-        }
+    /// Opens files, pipes and devices, and reads each on a new thread.
+    ///
+    /// # Errors
+    /// If a thread cannot be started.
+    pub fn open(paths: Vec<PathBuf>) -> Result<Cables, FileError> {
         let (tell, came) = sync_channel(WAITING);
         let mut names = Vec::new();
         for path in paths {
-            if let Err(e) = std::fs::metadata(&path) {
-                return Err(Failure::Failed(format!("--midi {}: {e}", path.display())));
-            }
-            if must && is_standard_file(&path) {
-                let file = path.display();
-                return Err(Failure::Usage(format!(
-                    "--midi {file}: it is a Standard MIDI File, whose events have times; `ca render MODEL --gesture {file}` plays it"
-                )));
-            }
             let (k, tell, at) = (names.len(), tell.clone(), path.clone());
             let started = std::thread::Builder::new().name("ca midi".into()).spawn(move || read(&at, k, &tell));
             match started {
                 Ok(_) => names.push(path.display().to_string()),
-                Err(e) => return Err(Failure::Failed(format!("no thread for {}: {e}", path.display()))),
+                Err(e) => {
+                    let what = format!("no thread for {}: {e}", path.display());
+                    return Err(FileError::new(FileErrorKind::Io, what));
+                }
             }
         }
         let open = names.iter().map(|_| Cable::default()).collect();
-        Ok((!names.is_empty()).then_some(Cables { names, open, came, news: Vec::new() }))
+        Ok(Cables { names, open, came, news: Vec::new() })
     }
 
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+    /// Paths of those that are open.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)
     }
 
     /// What came since the last turn.
-    pub(super) fn turn(&mut self, mut feed: impl FnMut(&mut Cable, &[u8])) {
+    pub fn turn(&mut self, mut feed: impl FnMut(&mut Cable, &[u8])) {
         for _ in 0..TURN {
             let Ok((k, came)) = self.came.try_recv() else { return };
             match came {
@@ -86,19 +74,19 @@ impl Cables {
     }
 
     /// What people should know since the last call: bad, and in words.
-    pub(super) fn news(&mut self) -> Vec<(bool, String)> {
+    pub fn news(&mut self) -> Vec<(bool, String)> {
         std::mem::take(&mut self.news)
     }
 }
 
 /// True of a plain file that begins as a Standard MIDI File does. Others are not opened, since a pipe would wait for its writer.
-fn is_standard_file(path: &Path) -> bool {
+pub fn is_standard_file(path: &Path) -> bool {
     let mut head = [0; 4];
     path.is_file() && File::open(path).is_ok_and(|mut f| f.read_exact(&mut head).is_ok()) && head == *b"MThd"
 }
 
 /// The raw MIDI devices of this machine.
-fn devices() -> Vec<PathBuf> {
+pub fn devices() -> Vec<PathBuf> {
     let names = std::fs::read_dir("/dev/snd").into_iter().flatten().flatten().map(|e| e.path());
     let is = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with("midi"));
     let mut all: Vec<PathBuf> = names.filter(is).collect();

@@ -3,24 +3,15 @@
 //! Decides to print what was measured here beside what the first paper measured on its DSP, and nothing of other machines:
 //! a table of those would be believed for this one. What is measured, and how, is in `ca-lab`.
 
-mod page;
-
 use crate::args::BenchArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page as pages, term};
-use ca_lab::bench::{self, Fits, Instrument, NETWORKS, Network, PAPER, RATES, SIZES, Size};
+use ca_lab::bench::page::{self, Measured, instrument, row, without};
+use ca_lab::bench::{self, NETWORKS, Network, PAPER, RATES, SIZES, Size};
 use ca_model::quantity::short;
 use ca_model::suggest::nearest;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
-
-/// All that was measured.
-struct Measured {
-    fits: Vec<Fits>,
-    instruments: Vec<Instrument>,
-    /// a string, and the time of copying its bytes
-    curve: Vec<(Size, f64)>,
-}
 
 /// Runs the command.
 pub fn run(args: &BenchArgs) -> Outcome {
@@ -85,32 +76,6 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
         }
     }
     Ok(all)
-}
-
-/// As cells: name, modules at each rate, time of a module.
-fn row(f: &Fits) -> [String; 4] {
-    let [a, b] = f.at;
-    [f.name.into(), a.modules.to_string(), b.modules.to_string(), short(a.ns / a.modules.max(1) as f64)]
-}
-
-/// As cells: name, modules, how many at once at each rate, time of a sample at the lowest rate that it plays at.
-fn instrument(i: &Instrument) -> [String; 5] {
-    let size = i.at.iter().flatten().next();
-    let [a, b] = i.at_once().map(|n| n.map_or_else(|| "–".into(), |n| n.to_string()));
-    [
-        i.name.into(),
-        size.map_or_else(String::new, |s| s.modules.to_string()),
-        a,
-        b,
-        size.map_or_else(String::new, |s| short(s.ns)),
-    ]
-}
-
-/// What is said of instruments that do not play at one of the rates.
-fn without(m: &Measured) -> Option<String> {
-    let missing = |i: &Instrument| Some((i.name, RATES[i.at.iter().position(Option::is_none)?] / 1e3));
-    let (name, rate) = m.instruments.iter().find_map(missing)?;
-    Some(format!("– cannot be played at that rate: `ca render {name} --rate '{rate} kHz'` says why"))
 }
 
 fn text(m: &Measured) -> Result<(), Failure> {

@@ -1,0 +1,78 @@
+//! Admission of a device: whether a scene is played with it, by what it says of itself.
+
+use crate::coupling;
+use crate::engine::Setup;
+use crate::frame::About;
+use crate::profile::Profile;
+use ca_core::Scene;
+use ca_core::kind::Unit;
+use ca_core::scene::Input;
+use ca_model::quantity::{show, six};
+
+/// A device without a profile, which describes itself.
+#[derive(Clone, Debug)]
+pub struct Undescribed {
+    /// limits of such a device
+    pub most: Profile,
+    /// degrees of freedom the scene uses
+    pub wanted: u32,
+}
+
+impl Undescribed {
+    /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
+    ///
+    /// # Errors
+    /// In words, if the device says what cannot be, or what this scene cannot be played with.
+    pub fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, String> {
+        let p = self.most.described(about)?;
+        let of = |i: &Input| i.device.as_ref().is_some_and(|d| d.0 == setup.device && d.1 < p.dof);
+        if p.dof < self.wanted && (p.axes > 1 || !scene.inputs.iter().any(of)) {
+            let (n, wanted) = (p.dof, self.wanted);
+            return Err(format!("the model uses {wanted} of its degrees of freedom and it has {n}: it is not played"));
+        }
+        if p == setup.profile {
+            return Ok(None);
+        }
+        let said = Setup { profile: p, ..setup.clone() };
+        // couplings were chosen for what such a device holds as far as was known
+        if let Some((key, k)) = coupling::beyond(scene, &said) {
+            let k = show(six(k), Unit::STIFFNESS);
+            return Err(format!(
+                "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in a \
+                 profile (`--profile`)"
+            ));
+        }
+        *setup = said;
+        let p = &setup.profile;
+        let others = if p.dof < self.wanted {
+            format!("; the model has keys for {}, of which MIDI and gestures play the others", self.wanted)
+        } else {
+            String::new()
+        };
+        let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
+        Ok(Some(format!(
+            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it{others}",
+            p.title, p.dof, p.rate, p.force
+        )))
+    }
+}
+
+/// Claims of a device that fall behind its profile, by which the guard acts.
+pub fn differences(p: &Profile, a: &About) -> Vec<String> {
+    let n = (a.n as usize).min(p.dof as usize);
+    let least = a.force[..n].iter().copied().fold(f32::INFINITY, f32::min);
+    let mut list = Vec::new();
+    if u32::from(a.n) < p.dof {
+        list.push(format!(
+            "has {} degrees of freedom, its profile `{}` {}: its frames are not used; give it a profile with `dof = {}`",
+            a.n, p.name, p.dof, a.n
+        ));
+    }
+    if f64::from(least) < p.force * (1.0 - 1e-6) && least > 0.0 {
+        list.push(format!("gives at most {least} N, its profile `{}` {}", p.name, p.force));
+    }
+    if (f64::from(a.rate) / p.rate - 1.0).abs() > 0.05 {
+        list.push(format!("sends {} frames a second, its profile `{}` {}", a.rate, p.name, p.rate));
+    }
+    list
+}
