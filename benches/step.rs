@@ -43,7 +43,7 @@ fn precision(c: &mut Criterion) {
         g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
         let options = Options { precision: Precision::Single, ..Options::default() };
         let scene = load(&text, "bench.ca.toml", &catalog(), &options).1.expect("the bench compiles").scene;
-        let scene = ca_lab::accuracy::single(&scene).expect("all laws are known");
+        let scene = ca_accuracy::single(&scene).expect("all laws are known");
         let mut state = scene.state();
         g.bench_function("single", |b| b.iter(|| tick(&scene, &mut state)));
         g.finish();

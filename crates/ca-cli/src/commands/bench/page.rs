@@ -1,12 +1,12 @@
 //! The page of a bench: the tables, and the curve of cost against size.
 
 use super::{Measured, Size, instrument, row, without};
-use ca_lab::bench::{BYTES, PAPER, RATES};
+use ca_accuracy::bench::{BYTES, PAPER, RATES};
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
 /// Makes it.
 pub(super) fn page(m: &Measured) -> Report {
-    let mut report = Report::new("Modules in real time", &ca_lab::timing::machine());
+    let mut report = Report::new("Modules in real time", &ca_accuracy::timing::machine());
     let [a, b] = RATES.map(|r| format!("at {} kHz", r / 1e3));
     if !m.fits.is_empty() {
         let rows = m.fits.iter().map(|f| {
@@ -49,7 +49,7 @@ fn curve(m: &Measured) -> Plot {
     let tick = m.curve.iter().map(|(s, _)| each(s.ns, s)).collect();
     let bytes = m.curve.iter().map(|(s, bytes)| each(*bytes, s)).collect();
     let (least, most) = (x.first().copied().unwrap_or(1.0), x.last().copied().unwrap_or(1.0));
-    let marks = ca_lab::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
+    let marks = ca_accuracy::timing::caches().into_iter().map(|(name, bytes)| (name, bytes as f64 / BYTES as f64));
     let marks = marks.filter(|(_, modules)| (least..=most).contains(modules));
     Plot {
         title: "A string".into(),

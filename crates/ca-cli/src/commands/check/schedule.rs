@@ -8,11 +8,11 @@
 
 use crate::outcome::Failure;
 use crate::term::short;
+use ca_accuracy::timing::Timing;
 use ca_compile::cost;
 use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
-use ca_lab::timing::Timing;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::time::{Duration, Instant};
@@ -83,7 +83,7 @@ pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
         first
     });
     let tick = fastest(&state, |s| tick(scene, s));
-    let ns_per_instruction = ca_lab::bench::ns_per_instruction()?;
+    let ns_per_instruction = ca_accuracy::bench::ns_per_instruction()?;
     Ok(Measured { rows, tick, instructions: cost::of_tick(scene), ns_per_instruction, step })
 }
 

@@ -7,10 +7,10 @@ use crate::commands::render::{self, Divergence};
 use crate::load::{self, Loaded};
 use crate::outcome::Failure;
 use crate::term::{self, short};
+use ca_accuracy::AccuracyOptions;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_io::perform::Performance;
-use ca_lab::accuracy::{self, AccuracyOptions};
 use ca_lab::play::lasted;
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};
@@ -77,7 +77,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
     ledger.diverged_at = divergence.as_ref().map(|b| b.time);
     let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
     let mut report = Report::new(title, &format!("`{}`, {}", source_name(&loaded), finished()));
-    report.picture = ca_lab::view::picture(&film)?;
+    report.picture = ca_film::picture(&film)?;
     report.notes = parts::notes(&sound, divergence.is_some());
     if let Some(divergence) = &divergence {
         report.notes.insert(0, (Weight::Warning, divergence.to_string()));
@@ -114,7 +114,7 @@ pub(super) fn report(args: &ReportArgs) -> Result<(String, Report), Failure> {
 /// Error against run time of the model's beginning, by its own gestures; of what cannot be measured, why.
 fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failure> {
     let seconds = args.accuracy.unwrap_or(TRIED);
-    let probes = accuracy::heard(&loaded.model);
+    let probes = ca_accuracy::heard(&loaded.model);
     if seconds == 0.0 || probes.is_empty() {
         return Ok(None);
     }
@@ -134,14 +134,14 @@ fn accuracy(args: &ReportArgs, loaded: &Loaded) -> Result<Option<Section>, Failu
         remedy: "play longer with `--accuracy`, or listen elsewhere with `--probe`",
         progress,
     };
-    let found = accuracy::measured(loaded, &mut ask);
+    let found = ca_accuracy::measured(loaded, &mut ask);
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }
     match found.map_err(Failure::from) {
         Ok(found) => Ok(Some(found.section())),
         Err(Failure::Failed(why) | Failure::Usage(why)) => {
-            Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)])))
+            Ok(Some(Section::new(ca_accuracy::TITLE, vec![Block::Text(why)])))
         }
         Err(other) => Err(other),
     }

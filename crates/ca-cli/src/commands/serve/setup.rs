@@ -7,8 +7,8 @@ use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options, Port, Setup};
 use ca_haptic::frame::DOF;
 use ca_haptic::profile::Profile;
-pub(crate) use ca_lab::take::devices;
-use ca_lab::take::{beyond, dofs};
+pub(crate) use ca_take::devices;
+use ca_take::{beyond, dofs};
 use std::sync::Arc;
 
 /// Everything that belongs to each device; and of each that nobody has described, what it may do at most.
