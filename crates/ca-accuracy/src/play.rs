@@ -2,42 +2,65 @@
 
 use super::Steps;
 use ca_core::Scene;
+use ca_core::numeric::Real;
 use ca_core::state::Balance;
-use ca_io::perform::{DIVERGED, Performance};
+use ca_io::perform::Performance;
+use ca_io::play::{BLOCK, play};
+use ca_io::player::Player;
 use ca_lab::Failure;
-use std::time::Instant;
 
 /// A column for each probe.
 pub type Columns = Vec<Vec<f64>>;
 
-/// Samples between two looks whether to go on.
-pub const BLOCK: usize = 4096;
-
-/// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. What is out of range is NaN.
-pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
-    let mut p = Performance::new(scene, None)?;
-    let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
-    let begin = Instant::now();
-    for frame in 0..frames {
-        if frame % BLOCK == BLOCK - 1 {
-            steps.look()?;
-        }
-        p.tick();
-        for (column, v) in all.iter_mut().zip(&p.state.output[scene.channels..]) {
-            column.push(if p.diverged { f64::NAN } else { *v });
-        }
-        for _ in 1..times {
-            p.tick();
-        }
-    }
-    Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
+/// Where the probes of a scene stand in its rows of outputs, and which rows are kept.
+#[derive(Clone, Copy)]
+pub struct Kept {
+    /// columns before the probes
+    pub channels: usize,
+    /// all columns
+    pub n_out: usize,
+    /// ticks of a sample, which is heard at the first of them
+    pub times: u32,
 }
 
-/// The energy ledger after so many ticks, or as long as it stays within range.
+impl Kept {
+    /// Empty columns with room for `frames` samples.
+    pub fn columns(self, frames: usize) -> Columns {
+        vec![Vec::with_capacity(frames); self.n_out - self.channels]
+    }
+
+    /// Keeps rows that end at tick `done`; from tick `known` on nothing is known.
+    pub fn keep(self, all: &mut Columns, rows: &[f64], done: u64, known: u64) {
+        let width = self.n_out.max(1);
+        let first = done - (rows.len() / width) as u64;
+        for (row, tick) in rows.chunks_exact(width).zip(first..).filter(|r| r.1.is_multiple_of(self.times.into())) {
+            for (column, v) in all.iter_mut().zip(&row[self.channels..]) {
+                column.push(if tick + 1 < known { *v } else { f64::NAN });
+            }
+        }
+    }
+}
+
+/// The tick from which on nothing is known of what a player gives.
+pub fn known<R: Real>(player: &Player<R>) -> u64 {
+    if player.diverged { player.state.tick } else { u64::MAX }
+}
+
+/// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. Samples out of range are NaN.
+pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
+    let kept = Kept { channels: scene.channels, n_out: scene.n_out, times };
+    let mut all = kept.columns(frames);
+    let p = Performance::new(scene, None)?;
+    let played = play(p, frames as u64 * u64::from(times), BLOCK, &mut |p, rows, done| {
+        kept.keep(&mut all, rows, done, known(p));
+        steps.look()
+    })?;
+    Ok((all, played.wall.as_nanos() as f64 / frames.max(1) as f64))
+}
+
+/// The energy ledger after `ticks` ticks, or at the last tick within range.
 pub fn ledger(scene: &Scene, ticks: u64) -> Option<Balance> {
     let mut p = Performance::new(scene, None).ok()?;
-    while p.state.tick < ticks && p.state.is_bounded(DIVERGED) {
-        p.tick();
-    }
-    p.state.ledger.map(|l| l.balance())
+    p.until(ticks, 1);
+    p.player.state.ledger.map(|l| l.balance())
 }

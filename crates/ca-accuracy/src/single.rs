@@ -4,12 +4,14 @@
 //! moves ports and when is decided in one place, and the time measured is that of the ticks.
 
 use super::Steps;
-use super::play::{BLOCK, Columns};
+use super::play::{Columns, Kept, known};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::numeric::Precision;
 use ca_core::scene::Unbound;
-use ca_io::perform::{DIVERGED, Performance};
+use ca_io::perform::Performance;
+use ca_io::play::BLOCK;
+use ca_io::player::Player;
 use ca_lab::Failure;
 use ca_lab::load::Loaded;
 use ca_model::diag::Severity;
@@ -52,33 +54,28 @@ pub fn columns(
     (frames, times): (usize, u32),
     steps: &mut Steps,
 ) -> Result<(Columns, f64), Failure> {
-    let n = scene.inputs.len();
-    let mut given = Vec::new();
+    let (n, ticks) = (scene.inputs.len(), frames as u64 * u64::from(times));
+    let mut given = vec![0.0; ticks as usize * n];
     if n > 0 {
-        let mut p = Performance::new(double, None)?;
-        for _ in 0..frames * times as usize {
-            p.tick();
-            given.extend_from_slice(&p.state.input);
-        }
+        Performance::new(double, None)?.given(&mut given);
     }
-    let mut s = scene.state();
-    let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
-    let mut diverged = false;
+    let mut player = Player::new(scene.state());
+    let kept = Kept { channels: scene.channels, n_out: scene.n_out, times };
+    let (mut all, mut rows) = (kept.columns(frames), Vec::new());
     let begin = Instant::now();
-    for tick in 0..frames * times as usize {
-        if tick % BLOCK == BLOCK - 1 {
-            steps.look()?;
+    for first in (0..ticks).step_by(BLOCK as usize) {
+        let run = BLOCK.min(ticks - first);
+        rows.clear();
+        if n == 0 {
+            player.ticks(scene, run, &mut rows);
         }
-        if !diverged {
-            s.input.copy_from_slice(&given[tick * n..][..n]);
-            ca_core::tick(scene, &mut s);
-            diverged = s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED);
+        for input in given[first as usize * n..][..run as usize * n].chunks_exact(n.max(1)) {
+            player.state.input.copy_from_slice(input);
+            player.tick(scene);
+            rows.extend_from_slice(&player.state.output[..scene.n_out]);
         }
-        if tick.is_multiple_of(times as usize) {
-            for (column, v) in all.iter_mut().zip(&s.output[scene.channels..]) {
-                column.push(if diverged { f64::NAN } else { *v });
-            }
-        }
+        kept.keep(&mut all, &rows, first + run, known(&player));
+        steps.look()?;
     }
     Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
 }

@@ -265,7 +265,7 @@ impl Sweep {
         }
         row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|b| play::relative(&b.balance()));
         let Outcome { status, message, failed } =
-            Outcome::of(&played, &level, &scene, (&loaded, &options), self.gesture.as_ref());
+            Outcome::of(&played, &level, (&scene, &scene.findings), (&loaded, &options), self.gesture.as_ref());
         (row.status, row.message) = (status, message);
         if let Some((time, module)) = failed {
             (row.failed, row.module) = (Some(time), Some(module));

@@ -11,6 +11,7 @@ use crate::timing::Timing;
 use ca_compile::Options;
 use ca_core::{Scene, tick};
 use ca_io::perform::Performance;
+use ca_io::play::{BLOCK, play};
 use ca_lab::Failure;
 pub use networks::{NETWORKS, Network};
 use std::collections::BTreeMap;
@@ -178,11 +179,9 @@ pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure>
     let at = |rate: f64| {
         let options = Options { rate: Some(rate), ..Options::default() };
         let scene = loaded.compile(&options).map_err(Failure::Found)?.scene;
-        let mut p = Performance::new(&scene, None)?;
-        for _ in 0..(0.2 * scene.rate) as u64 {
-            p.tick();
-        }
-        let begin = p.state.clone();
+        let warm = (0.2 * scene.rate) as u64;
+        let played = play(Performance::new(&scene, None)?, warm, BLOCK, &mut |_, _, _| Ok::<(), Failure>(()))?;
+        let begin = played.performance.player.state;
         let mut state = begin.clone();
         let ns = Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(&scene, s));
         Ok(Size { modules: scene.symbols.len(), ns })

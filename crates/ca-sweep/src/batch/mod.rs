@@ -330,7 +330,7 @@ impl Shared<'_> {
             slot.keep(rows, probes, &mut level, done as usize - rows.len() / scene.n_out.max(1));
             if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
         })?;
-        let outcome = Outcome::of(&played, &level, &compiled, (&loaded, options), self.gesture);
+        let outcome = Outcome::of(&played, &level, (scene, &compiled.findings), (&loaded, options), self.gesture);
         Ok((outcome, peak(&level)))
     }
 }

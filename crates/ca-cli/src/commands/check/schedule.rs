@@ -61,7 +61,7 @@ pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
             p.tick();
         }
         if !p.diverged {
-            state = p.state;
+            state = p.player.state;
         }
     }
     let stages =

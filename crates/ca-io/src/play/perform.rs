@@ -7,18 +7,13 @@
 
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track, own};
+pub use crate::play::player::DIVERGED;
+use crate::play::player::Player;
 use ca_core::border::frame_due;
 use ca_core::live::{Controls, LiveParam, Patch};
 use ca_core::numeric::Plain;
 use ca_core::scene::{InputRole, Scene};
-use ca_core::{State, process, tick};
-
-/// Beyond this displacement \[m\] a scene is taken to have diverged. Far above any scale models are written in (1e-9 to
-/// 1e9), far below overflow.
-pub const DIVERGED: f64 = 1e15;
-
-/// Ticks between two looks at whether it has diverged.
-const LOOK: u64 = 64;
+use std::ops::{Deref, DerefMut};
 
 /// Seconds of silence after a gesture, and the least of everything.
 const TAIL: f64 = 2.0;
@@ -34,7 +29,7 @@ enum Target {
     Param(usize),
 }
 
-/// What is driven: numbers are places in [`State::input`].
+/// What is driven: numbers are places in [`State::input`](ca_core::State::input).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driven<'a> {
     /// a port of a device
@@ -53,12 +48,12 @@ struct Drive {
     outside: Option<f64>,
 }
 
-/// A scene being played by gestures.
+/// A scene being played by gestures: a [`Player`] and the tracks that drive it.
 pub struct Performance<'a> {
     /// the scene
     pub scene: &'a Scene,
-    /// its state
-    pub state: State,
+    /// how it stands
+    pub player: Player,
     /// its live parameters
     pub controls: Controls,
     drives: Vec<Drive>,
@@ -66,8 +61,20 @@ pub struct Performance<'a> {
     midi_ends: Option<f64>,
     /// the last change of a parameter, kept for its room
     patch: Patch,
-    /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
-    pub diverged: bool,
+}
+
+impl Deref for Performance<'_> {
+    type Target = Player;
+
+    fn deref(&self) -> &Player {
+        &self.player
+    }
+}
+
+impl DerefMut for Performance<'_> {
+    fn deref_mut(&mut self) -> &mut Player {
+        &mut self.player
+    }
 }
 
 impl<'a> Performance<'a> {
@@ -79,12 +86,11 @@ impl<'a> Performance<'a> {
     pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
         let mut p = Performance {
             scene,
-            state: scene.state(),
+            player: Player::new(scene.state()),
             controls: scene.controls(),
             drives: Vec::new(),
             midi_ends: gesture.filter(|g| g.is_midi()).map(Gesture::duration),
             patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
-            diverged: false,
         };
         for track in own(scene) {
             let track = track?;
@@ -95,11 +101,11 @@ impl<'a> Performance<'a> {
         for track in gesture.map_or(&[][..], Gesture::tracks) {
             p.drive(track.clone())?;
         }
-        p.state = scene.state_from(|input| p.hand(input));
+        p.player = Player::new(scene.state_from(|input| p.hand(input)));
         Ok(p)
     }
 
-    /// Where the hand on a place of [`State::input`] is at the first tick, and its change per tick; `None` where nothing drives
+    /// Where the hand on a place of [`State::input`](ca_core::State::input) is at the first tick, and its change per tick; `None` where nothing drives
     /// it. A hand that is under way then was so before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
         let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
@@ -181,12 +187,16 @@ impl<'a> Performance<'a> {
 
     /// Runs one tick; the outputs are in `state.output`.
     pub fn tick(&mut self) {
-        if self.diverged {
-            self.state.output.fill(0.0);
-            return;
+        if !self.diverged {
+            self.move_hands();
         }
+        self.player.tick(self.scene);
+    }
+
+    /// Gives ports and live parameters what their gestures say at this tick.
+    fn move_hands(&mut self) {
         let end = self.end_of_frame(self.state.tick);
-        let (scene, s) = (self.scene, &mut self.state);
+        let (scene, s) = (self.scene, &mut self.player.state);
         let frame = frame_due(scene, s.tick);
         let t = s.tick as f64 * scene.sample_dt;
         for d in &mut self.drives {
@@ -210,35 +220,35 @@ impl<'a> Performance<'a> {
                 _ => {}
             }
         }
-        tick(scene, s);
-        if s.tick.is_multiple_of(LOOK) && !s.is_bounded(DIVERGED) {
-            self.diverged = true;
-        }
     }
 
     /// Runs so many ticks, and appends the outputs of each to `rows`.
     pub fn ticks(&mut self, n: u64, rows: &mut Vec<f64>) {
-        let (n_out, mut left) = (self.scene.n_out, n);
-        while left > 0 {
-            let run = left.min(LOOK - self.state.tick % LOOK);
-            let first = rows.len();
-            rows.resize(first + run as usize * n_out, 0.0);
-            // where nothing is driven, nothing is to be done between two looks at the state
-            if self.drives.is_empty() && n_out > 0 && !self.diverged {
-                let played = process(self.scene, &mut self.state, &mut rows[first..]);
-                debug_assert!(played, "the state is of this scene, and rows are whole");
-                self.diverged = self.state.tick.is_multiple_of(LOOK) && !self.state.is_bounded(DIVERGED);
-            } else {
-                for k in 0..run as usize {
-                    self.tick();
-                    rows[first + k * n_out..][..n_out].copy_from_slice(&self.state.output[..n_out]);
-                }
-            }
-            left -= run;
+        if self.drives.is_empty() {
+            return self.player.ticks(self.scene, n, rows);
+        }
+        for _ in 0..n {
+            self.tick();
+            rows.extend_from_slice(&self.player.state.output[..self.scene.n_out]);
         }
     }
 
-    /// The module to blame once the scene is [`Performance::diverged`], and why: the one the certificate names where that
+    /// Runs a tick for each row of `rows` (ticks x inputs), which gets what the inputs were given.
+    pub fn given(&mut self, rows: &mut [f64]) {
+        for row in rows.chunks_exact_mut(self.scene.inputs.len().max(1)) {
+            self.tick();
+            row.copy_from_slice(&self.player.state.input);
+        }
+    }
+
+    /// Plays up to tick number `tick`, or until positions are out of range: they are looked at every `look` ticks.
+    pub fn until(&mut self, tick: u64, look: u64) {
+        while self.state.tick < tick && self.state.is_bounded(DIVERGED) {
+            (0..look.min(tick - self.state.tick)).for_each(|_| self.tick());
+        }
+    }
+
+    /// The module to blame once the scene is [`Player::diverged`], and why: the one the certificate names where that
     /// found the scene unstable; else the link that made most energy in a second run with the ledger kept, given as
     /// `audited`; else the MAT that went furthest.
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
@@ -250,9 +260,7 @@ impl<'a> Performance<'a> {
         if let Some(scene) = audited {
             if let Ok(mut audited) = Performance::new(scene, gesture) {
                 // up to the first tick out of range: what is entered after that says nothing of the cause
-                while audited.state.is_bounded(DIVERGED) && audited.state.tick < self.state.tick + 64 {
-                    audited.tick();
-                }
+                audited.until(self.state.tick + 64, 1);
                 if let Some((link, made)) =
                     audited.state.ledger.as_deref().and_then(ca_core::state::Ledger::largest_error)
                 {

@@ -1,17 +1,14 @@
 //! Running: a scene that a program plays sample by sample, from outside: inputs in, sound and forces out.
 //!
-//! Decides what goes with a state that is played by hand: its live parameters, how loud it was, whether it has diverged, and
-//! where the force on each port stands. A block of an audio program (`cordis_anima::Voice`) and one of Python (`Sim`) are loops
-//! over its two halves; a scene that plays its own gesture is a [`Performance`](crate::perform::Performance).
+//! With a state that is played by hand go its live parameters, its level, and the place of the force on each port. A block of an
+//! audio program (`cordis_anima::Voice`) and one of Python (`Sim`) are loops over the two halves of its player; a scene that plays its
+//! own gesture is a [`Performance`](crate::perform::Performance).
 
-use crate::perform::DIVERGED;
+use crate::play::player::Player;
 use crate::sound::Level;
+use ca_core::Scene;
 use ca_core::live::Controls;
 use ca_core::state::{NotRestored, checksum};
-use ca_core::{Scene, State, compute_forces, integrate};
-
-/// Samples between two looks at whether it has diverged.
-const LOOK: u64 = 64;
 
 /// Where the force on a port stands.
 #[derive(Clone, Copy, Debug)]
@@ -24,16 +21,14 @@ enum PortForce {
     None,
 }
 
-/// A state under way, with all that goes with it. Every call takes the scene it is of.
+/// A player with all that goes with it. Every call takes the scene it is of.
 pub struct Running {
     /// how it stands
-    pub state: State,
+    pub player: Player,
     /// live parameters
     pub controls: Controls,
     /// how loud it was
     pub level: Level,
-    /// it has diverged: silent from there on
-    pub diverged: bool,
     /// of each input
     forces: Vec<PortForce>,
 }
@@ -45,7 +40,7 @@ impl Running {
         scene.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
         scene.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
         let level = Level::new(scene.channels);
-        Running { state: scene.state(), controls: scene.controls(), level, diverged: false, forces }
+        Running { player: Player::new(scene.state()), controls: scene.controls(), level, forces }
     }
 
     /// Inputs that feel a force: ports of positions.
@@ -53,40 +48,23 @@ impl Running {
         (0..self.forces.len()).filter(|i| !matches!(self.forces[*i], PortForce::None)).collect()
     }
 
-    /// The first half of a sample: its outputs and its forces are there.
-    pub fn sense(&mut self, scene: &Scene) {
-        if self.diverged {
-            self.state.output.fill(0.0);
-        } else {
-            compute_forces(scene, &mut self.state);
-        }
-    }
-
-    /// The second half: masses move.
-    pub fn advance(&mut self, scene: &Scene) {
-        if !self.diverged {
-            integrate(scene, &mut self.state);
-            self.diverged = self.state.tick.is_multiple_of(LOOK) && !self.state.is_bounded(DIVERGED);
-        }
-    }
-
     /// The force on the port of an input, between the halves \[N\]: of a device that of the last whole frame; 0 on a
     /// force port, where it is not finite, and once it has diverged.
     pub fn force(&self, input: usize) -> f64 {
         let force = match self.forces.get(input) {
-            Some(PortForce::Mat(m)) => self.state.f[*m],
-            Some(PortForce::Border(k)) => self.state.border[*k].force,
+            Some(PortForce::Mat(m)) => self.player.state.f[*m],
+            Some(PortForce::Border(k)) => self.player.state.border[*k].force,
             _ => 0.0,
         };
-        if self.diverged || !force.is_finite() { 0.0 } else { force }
+        if self.player.diverged || !force.is_finite() { 0.0 } else { force }
     }
 
     /// All of it as bytes: the state, then what goes with it, eight bytes a number, lowest first.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Level { peak, clipped, beyond, non_finite } = &self.level;
         let values = self.controls.params().iter().map(|p| p.value).chain(peak.iter().copied()).map(f64::to_bits);
-        let counts = [*clipped, *beyond, *non_finite, u64::from(self.diverged)];
-        let mut bytes = self.state.to_bytes();
+        let counts = [*clipped, *beyond, *non_finite, u64::from(self.player.diverged)];
+        let mut bytes = self.player.state.to_bytes();
         values.chain(counts).for_each(|v| bytes.extend(v.to_le_bytes()));
         let sum = checksum(&bytes);
         bytes.extend(sum.to_le_bytes());
@@ -104,7 +82,7 @@ impl Running {
         let (whole, sum) = bytes.split_at(bytes.len().saturating_sub(8));
         let (state, beside) = whole.split_at(whole.len().saturating_sub(beside));
         // what is of another scene says so before anything else
-        restored.state.restore(state)?;
+        restored.player.state.restore(state)?;
         if sum.first_chunk().map(|w| u64::from_le_bytes(*w)) != Some(checksum(whole)) {
             return Err(NotRestored::Damaged);
         }
@@ -121,7 +99,7 @@ impl Running {
         }
         let Level { clipped, beyond, non_finite, .. } = &mut restored.level;
         (*clipped, *beyond, *non_finite) = (next()?, next()?, next()?);
-        restored.diverged = next()? != 0;
+        restored.player.diverged = next()? != 0;
         *self = restored;
         Ok(())
     }
