@@ -117,7 +117,7 @@ pub struct Measured {
 /// Where it does not compile, where nothing moves, and where no more is wanted.
 pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, Failure> {
     let probes = ask.probes.to_vec();
-    let scene = load::scene(loaded, &Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
+    let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
     let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
     let samples = seconds * rate;

@@ -101,7 +101,7 @@ fn carried(
     let mut at = |times: u32| -> Result<Columns, Failure> {
         let rate = Some(rate * f64::from(times));
         let options = Options { rate, probes: probes.to_vec(), ..Options::default() };
-        Ok(columns(&load::scene(loaded, &options)?.scene, frames, times, steps)?.0)
+        Ok(columns(&loaded.compile(&options)?.scene, frames, times, steps)?.0)
     };
     let (coarse, middle, fine) = (at(times / 4)?, at(times / 2)?, at(times)?);
     let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));

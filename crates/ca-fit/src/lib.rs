@@ -39,7 +39,7 @@ use ca_compile::Options;
 use ca_io::gesture::Gesture;
 use ca_io::recording::Recording;
 use ca_lab::Failure;
-use ca_lab::load::{self, Loaded};
+use ca_lab::Loaded;
 use player::Player;
 use target::{Samples, Target};
 use work::Work;
@@ -194,7 +194,7 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
         return Err(Failure::Usage(format!("{what}: {} or more", FEW + 2 * n)));
     }
     let options = Options { rate: Some(recording.rate), clouds: loaded.clouds.clone(), ..Options::default() };
-    let scene = load::scene(loaded, &options)?;
+    let scene = loaded.compile(&options)?;
     if scene.channels == 0 {
         return Err(Failure::Failed("the model has no output to compare; add a `[SOX]`".into()));
     }

@@ -83,7 +83,7 @@ impl<'a> Player<'a> {
             return Err(Failure::Stopped);
         }
         let loaded = self.model(places)?;
-        let Ok(scene) = load::scene(&loaded, &self.options(&loaded)) else { return Ok(None) };
+        let Ok(scene) = loaded.compile(&self.options(&loaded)) else { return Ok(None) };
         let performance = Performance::new(&scene, self.gesture)?;
         let (channels, n_out) = (scene.channels, scene.n_out);
         let mut heard: Samples = vec![Vec::with_capacity(self.frames as usize); channels];

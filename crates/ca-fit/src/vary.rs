@@ -161,10 +161,10 @@ fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> 
     let mut model = loaded.clone();
     load::set(&mut model, name, end.clone())?;
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
-    let Err(Failure::Found(mut found)) = load::scene(&model, &options) else { return Ok(()) };
+    let Err(mut found) = model.compile(&options) else { return Ok(()) };
     found.diags.list.retain(|d| d.code == "E008");
     // what is wrong in the file itself is reported by the fit
-    let by_it = !found.diags.list.is_empty() && load::scene(loaded, &options).is_ok();
+    let by_it = !found.diags.list.is_empty() && loaded.compile(&options).is_ok();
     if by_it { Err(Failure::Found(found)) } else { Ok(()) }
 }
 

@@ -41,6 +41,12 @@ impl Failure {
     }
 }
 
+impl From<Box<Found>> for Failure {
+    fn from(found: Box<Found>) -> Failure {
+        Failure::Found(found)
+    }
+}
+
 impl From<ca_io::FileError> for Failure {
     fn from(e: ca_io::FileError) -> Failure {
         match e.kind {

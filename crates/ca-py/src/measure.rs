@@ -8,8 +8,7 @@ use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::kind::Type;
 use ca_core::scene::Location;
 use ca_core::state::Ledger;
-use ca_lab::load::{self, Loaded};
-use ca_lab::{Failure, Found, catalog};
+use ca_lab::{Failure, Found, Loaded, catalog};
 use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -83,7 +82,7 @@ pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bou
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
-        Ok((network, load::scene(&loaded, &options)?.scene))
+        Ok((network, loaded.compile(&options)?.scene))
     })?;
     let (network, scene) = found.map_err(|e| failure(py, e))?;
     // the motion into the first tick is that of the scene, which begins by the forces at load

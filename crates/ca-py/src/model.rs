@@ -375,7 +375,7 @@ impl Model {
         let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
         let made = apart(py, None, move |_| {
-            let scene = load::scene(&loaded, &options)?;
+            let scene = loaded.compile(&options)?;
             Ok(Scene::new(scene, loaded, options))
         });
         made?.map_err(|e| failure(py, e))

@@ -136,7 +136,7 @@ impl Sweep {
         };
         let runs = runs.filter(|n| (1..=MOST).contains(n));
         let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep has 1 to {MOST} runs")))?;
-        let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
+        let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
         // what a gesture cannot drive is said before the first run
         Performance::new(&scene, gesture.as_ref())?;
         let (channels, rate) = (scene.channels, scene.rate);
@@ -229,7 +229,7 @@ impl Sweep {
             load::set(&mut loaded, &axis.name, value.clone())?;
         }
         let options = Options { rate: self.ask.rate, energy: self.ask.energy, ..Options::default() };
-        let scene = load::scene(&loaded, &options)?;
+        let scene = loaded.compile(&options)?;
         row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
         if (scene.rate, scene.channels) != (self.rate, self.channels) {
             let what = format!("{} channels at {} Hz", scene.channels, scene.rate);
@@ -329,11 +329,7 @@ fn counted(axis: &Axis) -> Result<u64, Failure> {
 fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
     let mut model = loaded.clone();
     load::set(&mut model, name, end.clone())?;
-    match load::scene(&model, &Options::default()) {
-        Err(Failure::Found(mut found)) => {
-            found.diags.list.retain(|d| d.code == "E008" && !d.span().is_some());
-            if found.diags.list.is_empty() { Ok(()) } else { Err(Failure::Found(found)) }
-        }
-        _ => Ok(()),
-    }
+    let Err(mut found) = model.compile(&Options::default()) else { return Ok(()) };
+    found.diags.list.retain(|d| d.code == "E008" && !d.span().is_some());
+    if found.diags.list.is_empty() { Ok(()) } else { Err(Failure::Found(found)) }
 }

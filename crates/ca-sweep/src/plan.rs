@@ -248,7 +248,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let gesture_rate = t.number(top, "gesture_rate", Unit::HERTZ, "hertz")?;
     let gesture = match files {
         Some(files) => {
-            let scene = load::scene(&loaded, &Options { rate: ask.rate, ..Options::default() })?;
+            let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
             gesture::open(&files, gesture_rate, &scene, beside, &mut |_| {})?
         }
         None => None,

@@ -65,7 +65,7 @@ pub fn record(
 ) -> Result<Finished, Failure> {
     let (loaded, changes) = &written(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
-    let scene = Arc::new(load::scene(loaded, &options)?.scene);
+    let scene = Arc::new(loaded.compile(&options)?.scene);
     let mut hands = Performance::new(&scene, gesture)?;
     let frames = play::frames(&scene, play::seconds(&hands, ask.seconds));
     let given = gesture.map_or(&[][..], Gesture::tracks).iter().map(Track::name);

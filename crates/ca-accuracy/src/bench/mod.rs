@@ -101,7 +101,7 @@ pub fn beside_streaming(modules: usize) -> Result<(Size, f64), Failure> {
 /// Where it does not compile: a defect of the bench.
 pub fn measure(network: &Network, masses: usize) -> Result<Size, Failure> {
     let loaded = ca_lab::Loaded::read(&(network.text)(masses), network.name);
-    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
+    let scene = loaded.compile(&Options::default())?.scene;
     Ok(Size { modules: scene.symbols.len(), ns: cost(&scene) })
 }
 
@@ -118,7 +118,7 @@ pub fn ns_per_instruction() -> Result<f64, Failure> {
     let found = NETWORKS.iter().find(|n| n.name == "random");
     let network = found.unwrap_or(&NETWORKS[0]);
     let loaded = ca_lab::Loaded::read(&(network.text)(REFERENCE), network.name);
-    let scene = loaded.compile(&Options::default()).map_err(Failure::Found)?.scene;
+    let scene = loaded.compile(&Options::default())?.scene;
     Ok(cost(&scene) / ca_compile::cost::of_tick(&scene))
 }
 
@@ -178,7 +178,7 @@ pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure>
     let loaded = ca_lab::Loaded::read(text, name);
     let at = |rate: f64| {
         let options = Options { rate: Some(rate), ..Options::default() };
-        let scene = loaded.compile(&options).map_err(Failure::Found)?.scene;
+        let scene = loaded.compile(&options)?.scene;
         let warm = (0.2 * scene.rate) as u64;
         let played = play(Performance::new(&scene, None)?, warm, BLOCK, &mut |_, _, _| Ok::<(), Failure>(()))?;
         let begin = played.performance.player.state;

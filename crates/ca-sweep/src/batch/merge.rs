@@ -95,16 +95,16 @@ mod tests {
     use super::*;
     use ca_compile::Options;
     use ca_io::perform::Performance;
-    use ca_lab::load::{BUNDLED, Loaded, catalog, scene};
+    use ca_lab::load::{BUNDLED, Loaded, catalog};
 
     /// Plays three instances of a model as one and each sample of them beside it by itself; false where they are not merged.
     fn same_bits(what: &str, text: &str) -> bool {
         let loaded = Loaded::read(text, what);
         let options = Options { bounds_only: true, ..Options::default() };
-        let alone = scene(&loaded, &options).expect("an example compiles").scene;
+        let alone = loaded.compile(&options).expect("an example compiles").scene;
         let Some(model) = models(&vec![loaded.model.clone(); 3], alone.channels, &catalog()) else { return false };
         let merged =
-            scene(&Loaded { model, ..loaded }, &options).unwrap_or_else(|e| panic!("{what}: {}", e.line())).scene;
+            Loaded { model, ..loaded }.compile(&options).unwrap_or_else(|e| panic!("{what}: {:?}", e.diags)).scene;
         assert_eq!((merged.n_out, merged.inputs.len()), (3 * alone.n_out, 3 * alone.inputs.len()), "{what}");
         let [mut one, mut all] = [&alone, &merged].map(|s| Performance::new(s, None).expect("its gesture plays"));
         for n in 0..3000 {

@@ -82,7 +82,7 @@ pub fn batch<S: Sample>(
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<Batch<S>, Failure> {
     let n = instances(loaded, spec)?;
-    let scene = load::scene(loaded, options)?.scene;
+    let scene = loaded.compile(options)?.scene;
     let performance = Performance::new(&scene, gesture)?;
     let frames = play::frames(&scene, play::seconds(&performance, spec.seconds));
     let (channels, probes) = (scene.channels, scene.n_out - scene.channels);
@@ -266,7 +266,7 @@ impl Shared<'_> {
         }
         all.model = merge::models(&models, channels, &load::catalog())?;
         let probes = merge::probes(&self.options.probes, n);
-        let compiled = load::scene(&all, &Options { bounds_only: true, probes, ..self.options.clone() }).ok()?;
+        let compiled = all.compile(&Options { bounds_only: true, probes, ..self.options.clone() }).ok()?;
         let scene = &compiled.scene;
         let whole = (scene.rate, scene.channels, scene.n_out) == (self.rate, n * channels, n * width);
         if !whole || solves_at_once(scene) {
@@ -312,7 +312,7 @@ impl Shared<'_> {
 
     fn played<S: Sample>(&self, slot: &mut Slot<'_, S>, options: &Options) -> Result<(Outcome, f64), Failure> {
         let loaded = self.instance(slot.index)?;
-        let compiled = load::scene(&loaded, options)?;
+        let compiled = loaded.compile(options)?;
         let scene = &compiled.scene;
         let probes = scene.n_out - scene.channels;
         if (scene.rate, scene.channels, probes) != (self.rate, self.channels, self.probes) {
