@@ -7,15 +7,15 @@ pub mod acoustics;
 pub mod atlas;
 pub mod costs;
 mod grains;
-pub mod growth;
 pub mod instruments;
 pub mod latency;
 pub mod peers;
 pub mod rattle;
 
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::{Catalog, Scene};
+use ca_core::Scene;
 use ca_model::Model;
+pub use cordis_anima::catalog;
 pub use grains::grains;
 use std::fmt::Write as _;
 
@@ -49,11 +49,6 @@ pub fn at_most(is: f64, digits: usize, most: Option<f64>) -> String {
     let Some(most) = most else { return format!("{is:.digits$}") };
     let holds = if is <= most { "holds" } else { "**not so**" };
     format!("{is:.digits$} (≤ {most}: {holds})")
-}
-
-/// All kinds there are.
-pub fn catalog() -> Catalog {
-    ca_model::catalog().with(ca_lpr::KINDS)
 }
 
 /// Reads a model of ours; a finding is a defect of the bench.

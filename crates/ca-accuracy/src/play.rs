@@ -12,7 +12,7 @@ use ca_lab::Failure;
 /// A column for each probe.
 pub type Columns = Vec<Vec<f64>>;
 
-/// Where the probes of a scene stand in its rows of outputs, and which rows are kept.
+/// The place of the probes in a row of outputs, and the rows that are kept.
 #[derive(Clone, Copy)]
 pub struct Kept {
     /// columns before the probes

@@ -29,7 +29,7 @@ enum Target {
     Param(usize),
 }
 
-/// What is driven: numbers are places in [`State::input`](ca_core::State::input).
+/// The target of a track: numbers are places in [`State::input`](ca_core::State::input).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driven<'a> {
     /// a port of a device
@@ -105,8 +105,8 @@ impl<'a> Performance<'a> {
         Ok(p)
     }
 
-    /// Where the hand on a place of [`State::input`](ca_core::State::input) is at the first tick, and its change per tick; `None` where nothing drives
-    /// it. A hand that is under way then was so before it.
+    /// The position at the first tick of the hand on a place of [`State::input`](ca_core::State::input), and its change per tick; `None`
+    /// where nothing drives it. A hand that is under way then was so before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
         let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
         let [now, next] = [0.0, self.scene.sample_dt].map(|t| d.track.at(t));
