@@ -11,6 +11,7 @@ pub mod instruments;
 pub mod latency;
 pub mod peers;
 pub mod rattle;
+mod table;
 
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::Scene;
@@ -58,8 +59,18 @@ pub fn model(text: &str) -> Model {
     model
 }
 
+/// The scene of a text, with the kernels that a program plays.
+pub fn scene(text: &str) -> Scene {
+    compiled(&model(text), KernelClass::Fast, false)
+}
+
+/// The place of the MAT `name` in the state.
+pub fn mat(scene: &Scene, name: &str) -> usize {
+    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
+}
+
 /// Compiles a model with one class of kernels.
-pub fn scene(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
+pub fn compiled(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
     compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles").scene
 }
 

@@ -2,6 +2,7 @@
 
 use super::{CASES, Claim, ErrorRow, Found, STIFF};
 use crate::atlas::page::wrap;
+use crate::table::{head, line};
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Error against run time
@@ -20,14 +21,6 @@ the pictures. The errors do not depend on the machine, the times do.
 
 const COLUMNS: [&str; 9] =
     ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns", "x real time", "stability"];
-
-fn line(cells: &[String]) -> String {
-    format!("| {} |\n", cells.join(" | "))
-}
-
-fn head(columns: &[&str]) -> String {
-    line(&columns.iter().map(|c| (*c).to_string()).collect::<Vec<_>>()) + &"|---".repeat(columns.len()) + "|\n"
-}
 
 fn small(v: f64) -> String {
     if v.is_finite() { format!("{v:.1e}") } else { "-".into() }

@@ -30,7 +30,7 @@ impl Kept {
     }
 
     /// Keeps rows that end at tick `done`; from tick `known` on nothing is known.
-    pub fn keep(self, all: &mut Columns, rows: &[f64], done: u64, known: u64) {
+    pub fn keep(self, all: &mut [Vec<f64>], rows: &[f64], done: u64, known: u64) {
         let width = self.n_out.max(1);
         let first = done - (rows.len() / width) as u64;
         for (row, tick) in rows.chunks_exact(width).zip(first..).filter(|r| r.1.is_multiple_of(self.times.into())) {
