@@ -231,7 +231,7 @@ class Scene(Measured, Derivatives):
         if failed is not None and on_unstable == "raise":
             raise UnstableError(message, *failed)
         if status == "clipped":
-            # here it says by how much, for the gain of this model
+            # a render also has the gain that fits
             reported = []
             if raw["clipped"]:
                 reported.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
