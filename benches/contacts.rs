@@ -5,7 +5,7 @@
 //! `… apart` is a set of which nothing ever touches: its time by its pairs is what a pair costs that is idle.
 #![allow(missing_docs)]
 
-use ca_benches::{grains, model, scene};
+use ca_benches::{compiled, grains, model};
 use ca_compile::KernelClass;
 use ca_core::{Scene, State, integrate, tick};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -50,7 +50,7 @@ fn contacts(c: &mut Criterion) {
                 if class == KernelClass::Reference && n > 512 {
                     continue;
                 }
-                let scene = scene(&model, class, false);
+                let scene = compiled(&model, class, false);
                 let mut warm = scene.state();
                 warm.near.iter_mut().for_each(|near| near.skin = skin);
                 (0..WARM).for_each(|_| tick(&scene, &mut warm));

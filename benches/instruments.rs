@@ -5,7 +5,8 @@
 
 use ca_benches::instruments::page::page;
 use ca_benches::instruments::{BUILT, Figures, Instrument, Plays, all, figures, on_all_cores};
-use ca_lab::sweep::flac16;
+use ca_io::flac;
+use ca_io::sound::Format;
 use ca_report::{Sound, spectrogram};
 use std::path::Path;
 
@@ -25,7 +26,7 @@ fn sound(x: &[f64], rate: f64) -> Vec<u8> {
             let begin = n - fade;
             cut[begin..].iter_mut().enumerate().for_each(|(k, v)| *v *= 1.0 - k as f32 / fade as f32);
         }
-        let bytes = flac16(&cut, 1, rate).expect("a sound can be encoded");
+        let bytes = flac::encode(&cut, 1, rate, Format::I16).expect("a sound can be encoded");
         if bytes.len() <= LARGEST {
             return bytes;
         }

@@ -4,10 +4,10 @@
 //! Decides to count bytes as they are asked of the allocator: what the system lends changes from run to run.
 #![allow(missing_docs)]
 
+use ca_accuracy::timing::processor;
 use ca_benches::{at_most, by_hand, catalog, machine, publish, string};
 use ca_compile::{Options, compile};
 use ca_core::{Scene, process};
-use ca_lab::timing::processor;
 use ca_model::read::read;
 use counting::{Taken, taken};
 use std::fmt::Write as _;

@@ -3,7 +3,7 @@
 //! what the second of the two meshes takes longer than the first.
 #![allow(missing_docs)]
 
-use ca_benches::{by_hand, mims_mesh, scene, string};
+use ca_benches::{by_hand, compiled, mims_mesh, string};
 use ca_compile::KernelClass;
 use ca_core::scene::certificate::Level;
 use ca_import::mims;
@@ -18,24 +18,24 @@ fn load(c: &mut Criterion) {
         g.bench_function(name, |b| {
             b.iter(|| {
                 let (model, _) = read(black_box(&text), "bench.ca.toml", &catalog);
-                scene(&model, KernelClass::Fast, false)
+                compiled(&model, KernelClass::Fast, false)
             });
         });
     }
     let ours = mims_mesh();
     g.bench_function("MIMS mesh 20 x 30", |b| {
-        b.iter(|| scene(&mims::import(black_box(&ours), "mesh.mdl").0, KernelClass::Fast, false));
+        b.iter(|| compiled(&mims::import(black_box(&ours), "mesh.mdl").0, KernelClass::Fast, false));
     });
     for (name, k) in [("by the bounds", 0.4999), ("by a factorisation", 0.5)] {
         let text = format!(
             "[rate]\nsound = 1\ngesture = 1\n[MESH]\nm = {{ nx = 200, ny = 200, m = 1, k = {k} }}\n[SOX]\nout = {{ from = \"m[0,0]\" }}\n"
         );
         let (model, _) = read(&text, "bench.ca.toml", &catalog);
-        let compiled = scene(&model, KernelClass::Fast, false);
-        assert_eq!((compiled.certificate.level, compiled.certificate.exact), (Level::Proven, k == 0.5));
+        let certificate = compiled(&model, KernelClass::Fast, false).certificate;
+        assert_eq!((certificate.level, certificate.exact), (Level::Proven, k == 0.5));
         g.sample_size(10);
         g.bench_function(format!("mesh 200 x 200, certified {name}"), |b| {
-            b.iter(|| scene(black_box(&model), KernelClass::Fast, false));
+            b.iter(|| compiled(black_box(&model), KernelClass::Fast, false));
         });
     }
     // models that others published, where they are at hand
@@ -43,7 +43,7 @@ fn load(c: &mut Criterion) {
         let path = format!("{}/../../shared/data/mims/{name}.mdl", env!("CARGO_MANIFEST_DIR"));
         if let Ok(text) = std::fs::read_to_string(path) {
             g.bench_function(format!("published {name}"), |b| {
-                b.iter(|| scene(&mims::import(black_box(&text), name).0, KernelClass::Fast, false));
+                b.iter(|| compiled(&mims::import(black_box(&text), name).0, KernelClass::Fast, false));
             });
         }
     }

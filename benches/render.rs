@@ -4,12 +4,12 @@
 //! Decides on ratios within one round, of which the least of several counts: times are of the machine, ratios hold.
 #![allow(missing_docs)]
 
+use ca_accuracy::timing::processor;
 use ca_benches::catalog;
 use ca_compile::{Options, compile};
 use ca_io::perform::Performance;
 use ca_io::sound::{Format, WavOut};
 use ca_lab::play::{BLOCK, audit, frames, play, seconds};
-use ca_lab::timing::processor;
 use std::path::Path;
 
 /// Milliseconds of processor time that `f` takes.

@@ -2,8 +2,7 @@
 //! is idle. Each pass is run by itself; throughput is in modules, and only ratios within one run count.
 #![allow(missing_docs)]
 
-use ca_benches::{model, scene};
-use ca_compile::KernelClass;
+use ca_benches::scene;
 use ca_core::op::Op;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write as _;
@@ -41,7 +40,7 @@ fn space(c: &mut Criterion) {
         ("contact, idle", ring("BUT", &format!("{spring}, d = \"1 mm\""), false)),
     ];
     for (i, (name, text)) in cases.iter().enumerate() {
-        let scene = scene(&model(text), KernelClass::Fast, false);
+        let scene = scene(text);
         let mut state = scene.state();
         let mut run = |name: &str, op: &Op| {
             assert!(op.n >= N, "{name}: {} modules", op.n);

@@ -2,7 +2,7 @@
 //! LIA), so criterion prints modules per second; only ratios within one run count.
 #![allow(missing_docs)]
 
-use ca_benches::{catalog, mesh, model, random, scene, string};
+use ca_benches::{catalog, compiled, mesh, model, random, scene, string};
 use ca_compile::{KernelClass, Options, load};
 use ca_core::numeric::Precision;
 use ca_core::tick;
@@ -24,7 +24,7 @@ fn step(c: &mut Criterion) {
             ("fast, energy kept", KernelClass::Fast, true),
         ];
         for (case, kernel, energy) in cases {
-            let scene = scene(&model, kernel, energy);
+            let scene = compiled(&model, kernel, energy);
             let mut state = scene.state();
             g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
             g.bench_function(case, |b| b.iter(|| tick(&scene, &mut state)));
@@ -37,13 +37,13 @@ fn step(c: &mut Criterion) {
 fn precision(c: &mut Criterion) {
     for (name, text) in [("string 1000", string(1000)), ("mesh 30x30", mesh(30))] {
         let mut g = c.benchmark_group(name);
-        let scene = scene(&model(&text), KernelClass::Fast, false);
+        let scene = scene(&text);
         let mut state = scene.state();
         g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
         g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
         let options = Options { precision: Precision::Single, ..Options::default() };
         let scene = load(&text, "bench.ca.toml", &catalog(), &options).1.expect("the bench compiles").scene;
-        let scene = ca_lab::accuracy::single(&scene).expect("all laws are known");
+        let scene = ca_accuracy::single(&scene).expect("all laws are known");
         let mut state = scene.state();
         g.bench_function("single", |b| b.iter(|| tick(&scene, &mut state)));
         g.finish();

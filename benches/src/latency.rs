@@ -1,6 +1,7 @@
 //! The page `docs/measured/latency.md`: which runs the bench makes, and how each is written, so that a test finds them there.
 //! The bench itself stands with the command it measures.
 
+use crate::table::{head, line};
 use std::fmt::Write as _;
 
 const HEAD: &str = "# How late is the loop?
@@ -56,14 +57,6 @@ pub struct Run {
     pub counts: [u64; 4],
     /// what the system granted the engine
     pub granted: String,
-}
-
-fn line(cells: &[String]) -> String {
-    format!("| {} |\n", cells.join(" | "))
-}
-
-fn head(columns: &[&str]) -> String {
-    line(&columns.iter().map(|c| (*c).to_string()).collect::<Vec<_>>()) + &"|---".repeat(columns.len()) + "|\n"
 }
 
 /// The first cells of a run's rows.

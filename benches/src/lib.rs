@@ -7,15 +7,16 @@ pub mod acoustics;
 pub mod atlas;
 pub mod costs;
 mod grains;
-pub mod growth;
 pub mod instruments;
 pub mod latency;
 pub mod peers;
 pub mod rattle;
+mod table;
 
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::{Catalog, Scene};
+use ca_core::Scene;
 use ca_model::Model;
+pub use cordis_anima::catalog;
 pub use grains::grains;
 use std::fmt::Write as _;
 
@@ -51,11 +52,6 @@ pub fn at_most(is: f64, digits: usize, most: Option<f64>) -> String {
     format!("{is:.digits$} (≤ {most}: {holds})")
 }
 
-/// All kinds there are.
-pub fn catalog() -> Catalog {
-    ca_model::catalog().with(ca_lpr::KINDS)
-}
-
 /// Reads a model of ours; a finding is a defect of the bench.
 pub fn model(text: &str) -> Model {
     let (model, findings) = ca_model::read::read(text, "bench.ca.toml", &catalog());
@@ -63,8 +59,18 @@ pub fn model(text: &str) -> Model {
     model
 }
 
+/// The scene of a text, with the kernels that a program plays.
+pub fn scene(text: &str) -> Scene {
+    compiled(&model(text), KernelClass::Fast, false)
+}
+
+/// The place of the MAT `name` in the state.
+pub fn mat(scene: &Scene, name: &str) -> usize {
+    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
+}
+
 /// Compiles a model with one class of kernels.
-pub fn scene(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
+pub fn compiled(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
     compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles").scene
 }
 

@@ -5,16 +5,12 @@
 pub mod long_form;
 pub mod skipped;
 
-use ca_core::{Catalog, Scene, State};
+use ca_core::{Scene, State};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::Setup;
 use ca_haptic::profile::Profile;
+pub use cordis_anima::catalog;
 use std::path::Path;
-
-/// All kinds there are.
-pub fn catalog() -> Catalog {
-    ca_model::catalog().with(ca_lpr::KINDS)
-}
 
 /// Name and text of every model: the examples of the catalog, `models/` without its parts, and `tests/models/`.
 pub fn texts() -> Vec<(String, String)> {

@@ -13,7 +13,7 @@ use std::io::Write as _;
 
 #[path = "../../src/grains.rs"]
 mod grains;
-#[path = "../../../crates/ca-lab/src/bench/networks.rs"]
+#[path = "../../../crates/ca-accuracy/src/bench/networks.rs"]
 #[allow(dead_code, reason = "a bench asks for more of a network than its text")]
 mod networks;
 

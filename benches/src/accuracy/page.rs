@@ -2,6 +2,7 @@
 
 use super::{CASES, Claim, ErrorRow, Found, STIFF};
 use crate::atlas::page::wrap;
+use crate::table::{head, line};
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Error against run time
@@ -13,21 +14,12 @@ what the outputs hear from the reference, relative, before gains and filters, an
 known; **spectrum** the same of the levels of its partials; **cents** and **decay dB** how far the strongest partial and
 the loudness of the second half are off; **energy** the energy that the scheme gives or takes, relative to the most there
 was, where there is a ledger; **ns** the time of one sample at 48 kHz, the quickest of at least four runs, all ways in turn,
-with the finding of diverged states and the reading of outputs; `single` runs in a loop of its own that does less of
-that. Rows with a star are beaten by nothing in both error and time; full dots in
-the pictures. The errors do not depend on the machine, the times do.
+with the finding of diverged states and the reading of outputs; `single` has its inputs written down beforehand. Rows
+with a star are beaten by nothing in both error and time; full dots in the pictures. The errors do not depend on the machine, the times do.
 ";
 
 const COLUMNS: [&str; 9] =
     ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns", "x real time", "stability"];
-
-fn line(cells: &[String]) -> String {
-    format!("| {} |\n", cells.join(" | "))
-}
-
-fn head(columns: &[&str]) -> String {
-    line(&columns.iter().map(|c| (*c).to_string()).collect::<Vec<_>>()) + &"|---".repeat(columns.len()) + "|\n"
-}
 
 fn small(v: f64) -> String {
     if v.is_finite() { format!("{v:.1e}") } else { "-".into() }

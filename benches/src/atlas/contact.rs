@@ -6,8 +6,7 @@
 //! nothing is said.
 
 use super::{Axis, Line, Map};
-use crate::{model, scene};
-use ca_compile::KernelClass;
+use crate::{mat, scene};
 use ca_core::{Scene, State, tick};
 
 /// A ball of 1 kg and its contact with a wall, at one tick a second: a is k and b is z.
@@ -17,13 +16,13 @@ pub fn contact(a: f64, b: f64, method: &str) -> Scene {
          hit = {{ between = [\"wall\", \"ball\"], k = {a:?}, z = {b:?}, method = \"{method}\" }}\n[SOX]\n\
          out = {{ from = \"ball\" }}\n"
     );
-    scene(&model(&text), KernelClass::Fast, false)
+    scene(&text)
 }
 
 /// Energy after over energy before one bounce that starts at x₋₁ = φ + 1, x₀ = φ, until the ball has left or come
 /// to rest.
 pub fn ratio(scene: &Scene, start: &State, phase: f64) -> f64 {
-    let ball = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "ball").unwrap_or(0);
+    let ball = mat(scene, "ball");
     let mut s = start.clone();
     (s.x[ball], s.d[ball]) = (phase, -1.0);
     for _ in 0..20_000 {

@@ -7,8 +7,7 @@
 //! with the device beside it; the device loop as it runs: frames, engine, guard and a simulated device.
 
 use super::{Axis, Line, Map, growth};
-use crate::{model, scene};
-use ca_compile::KernelClass;
+use crate::scene;
 use ca_core::{Scene, tick};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
@@ -46,7 +45,7 @@ pub(super) fn key(rate: &str, kt: f64) -> Scene {
         "[rate]\n{rate}\n[TGR]\nkey = {{ device = \"key\", dof = 0 }}\n[SOL]\nwall = {{}}\n[RES]\n\
          spring = {{ between = [\"key\", \"wall\"], k = {k:?} }}\n[SOX]\nout = {{ from = \"key\" }}\n"
     );
-    scene(&model(&text), KernelClass::Fast, false)
+    scene(&text)
 }
 
 /// An engine with one device, forces on.

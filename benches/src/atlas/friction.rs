@@ -5,8 +5,7 @@
 //! not grow by a factor, since friction has a largest force: it chatters.
 
 use super::{Axis, Line, Map, growth};
-use crate::{model, scene};
-use ca_compile::KernelClass;
+use crate::{mat, scene};
 use ca_core::tick;
 
 /// e^½, the slope of the smooth curve at rest over f/v0.
@@ -37,9 +36,9 @@ pub const BOW: Map = Map {
     axes: [Axis::of("a = k T²/m", 0.0, 5.0), Axis::of("b = √e f T/(v0 m)", 0.0, 2.5)],
     words: ["grip holds", "chatters"],
     measured: |a, b| {
-        let scene = scene(&model(&gripped(a, b)), KernelClass::Fast, false);
+        let scene = scene(&gripped(a, b));
         let mut s = scene.state();
-        let bar = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the bar");
+        let bar = mat(&scene, "bob");
         s.x[bar] = BEGIN;
         let step = || {
             tick(&scene, &mut s);

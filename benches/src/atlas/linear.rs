@@ -5,8 +5,7 @@
 //! eigenvalue λ of the network known in closed form. Decides on springs and dampers of one ratio for that reason.
 
 use super::{Axis, Line, Map, growth};
-use crate::{model, scene};
-use ca_compile::KernelClass;
+use crate::scene;
 use ca_core::tick;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -17,7 +16,7 @@ const TICKS: usize = 2000;
 
 /// Whether a network at rest grows after each mass was displaced by a random part of `size` \[m\].
 pub(super) fn grows(text: &str, size: f64) -> bool {
-    let scene = scene(&model(text), KernelClass::Fast, false);
+    let scene = scene(text);
     let mut s = scene.state();
     let mut seed = 88_172_645_463_325_252u64;
     for i in 0..scene.n_mat {

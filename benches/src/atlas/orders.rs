@@ -3,9 +3,8 @@
 //! Decides to hold the error against a closed form where there is one; elsewhere three rates, each twice the last, tell
 //! the order by how they come together.
 
-use crate::{model, scene};
-use ca_compile::KernelClass;
-use ca_core::{Scene, tick};
+use crate::{mat, scene};
+use ca_core::tick;
 use ca_io::perform::Performance;
 use std::f64::consts::TAU;
 
@@ -104,10 +103,6 @@ impl Case {
     }
 }
 
-fn bob(scene: &Scene, name: &str) -> usize {
-    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or(0)
-}
-
 /// Largest error of an oscillator in a second.
 fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
     let w = TAU * F;
@@ -118,8 +113,8 @@ fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
         from[1],
         w * w
     );
-    let scene = scene(&model(&text), KernelClass::Fast, false);
-    let (mut state, i) = (scene.state(), bob(&scene, "bob"));
+    let scene = scene(&text);
+    let (mut state, i) = (scene.state(), mat(&scene, "bob"));
     let s = 0.5 * z;
     let damped = (w * w - s * s).sqrt();
     let exact = |t: f64| {
@@ -140,8 +135,8 @@ fn converges(link: &str, method: &str, slowest: f64) -> f64 {
             "[model]\n{method}\n[rate]\nsound = {rate:?}\ngesture = {rate:?}\n[CEL]\nbar = {{ m = 0.01, k = 600, v = 0.1 }}\n[ENX]\nhand = {{}}\n\
              {link}\n[SOX]\nout = {{ from = \"bar\" }}\n[gesture]\nhand = [[0, 0.01], [1, 0.41]]\n"
         );
-        let scene = scene(&model(&text), KernelClass::Fast, false);
-        let i = bob(&scene, "bar");
+        let scene = scene(&text);
+        let i = mat(&scene, "bar");
         let Ok(mut p) = Performance::new(&scene, None) else { return Vec::new() };
         let sample = |_| {
             (0..times).for_each(|_| p.tick());

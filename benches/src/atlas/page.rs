@@ -4,6 +4,7 @@ use super::orders;
 use super::poison::{self, Door};
 use super::survival::{CASES, Case, METHODS};
 use super::{Field, Map};
+use crate::table::head;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# The stability atlas
@@ -82,7 +83,8 @@ pub fn page(maps: &str) -> String {
          two looks of the engine at what is too small to matter, and then are 0.",
     );
     let names: Vec<&str> = METHODS.iter().map(|m| m.name).collect();
-    let _ = write!(t, "\n\n| case | ticks | {} |\n|---|---|{}\n", names.join(" | "), "---|".repeat(names.len()));
+    t += "\n\n";
+    t += &head(&[&["case", "ticks"], &names[..]].concat());
     for case in CASES {
         let _ = writeln!(t, "{}", row(case, 0));
     }
@@ -93,12 +95,13 @@ pub fn page(maps: &str) -> String {
          first tick on, how runs at 2, 4 and 8 kHz come together. By `ca` a port stands still in the first tick; by the \
          others it is under way as the gesture has it.",
     );
-    t += "\n\n| method | order | from a place | with a speed | with both | under a hand |\n|---|---|---|---|---|---|\n";
+    t += "\n\n";
+    t += &head(&["method", "order", "from a place", "with a speed", "with both", "under a hand"]);
     for case in &orders::CASES {
         let _ = writeln!(t, "{}", case.row());
     }
-    t += "\n## What is not finite\n\nNaN, +∞ and −∞ at every door of the engine.\n\n\
-          | where | what happens | tried | came through |\n|---|---|---|---|\n";
+    t += "\n## What is not finite\n\nNaN, +∞ and −∞ at every door of the engine.\n\n";
+    t += &head(&["where", "what happens", "tried", "came through"]);
     for (name, what, try_it) in DOORS {
         let _ = writeln!(t, "{}", door(name, what, &try_it()));
     }

@@ -105,7 +105,7 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
 /// Changes while it plays: refused by name, and by the state where somebody makes the patch by hand.
 pub fn changes() -> Door {
     let mut door = Door::default();
-    let scene = crate::scene(&crate::model(LIVE), ca_compile::KernelClass::Fast, false);
+    let scene = crate::scene(LIVE);
     let mut controls = Controls::new(&scene.live, scene.sample_dt);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {

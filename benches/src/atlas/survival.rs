@@ -5,8 +5,8 @@
 //! is read from the state.
 
 use super::friction::gripped;
-use crate::{model, string};
-use ca_compile::{Options, compile};
+use crate::{compiled, mat, model, string};
+use ca_compile::KernelClass;
 use ca_core::{Scene, State, tick};
 
 /// An extreme case.
@@ -221,10 +221,9 @@ impl Case {
 }
 
 fn ready(text: &str, energy: bool) -> (Scene, State) {
-    let options = Options { energy, ..Options::default() };
-    let scene = compile(&model(text), &crate::catalog(), &options).expect("the case compiles");
+    let scene = compiled(&model(text), KernelClass::Fast, energy);
     let s = scene.state();
-    (scene.scene, s)
+    (scene, s)
 }
 
 /// What is heard, over `l`.
@@ -242,7 +241,7 @@ const FAR: f64 = 1e200;
 
 fn largest(text: &str, ticks: u64) -> Outcome {
     let (scene, mut s) = ready(text, false);
-    let bob = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the mass");
+    let bob = mat(&scene, "bob");
     // as the cases of docs/numerics.md §3.6 begin: at 1, and there the tick before too
     s.d[bob] = 0.0;
     let mut most = [s.x[bob].abs(), 0.0];

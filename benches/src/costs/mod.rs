@@ -12,7 +12,7 @@ mod hand;
 pub mod page;
 mod scenes;
 
-use crate::{model, scene};
+use crate::{compiled, model};
 use ca_compile::KernelClass;
 use ca_core::state::Identity;
 use ca_core::{Scene, State, tick};
@@ -102,7 +102,7 @@ impl Played {
 
     /// Compiled.
     pub fn scene(&self) -> Scene {
-        let mut scene = scene(&model(&self.text), KernelClass::Fast, self.energy);
+        let mut scene = compiled(&model(&self.text), KernelClass::Fast, self.energy);
         if let Also::Omits(name) = self.also {
             let all = scene.moves.len();
             scene.moves.retain(|op| op.name != name);

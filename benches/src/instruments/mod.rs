@@ -45,7 +45,7 @@ mod wind;
 
 pub use figures::{Figures, figures};
 pub use plays::{BUILT, Cut, Plays, Render, Take, numbers};
-pub use stroke::{Stroke, hand};
+pub use stroke::Stroke;
 
 use cordis_anima::Loaded;
 use std::path::PathBuf;
@@ -121,14 +121,6 @@ impl Instrument {
 /// The folder of the bundled models.
 pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models")
-}
-
-/// Names of the bundled models, in order.
-pub fn bundled() -> Vec<String> {
-    let names = std::fs::read_dir(folder()).expect("models/ is there").map(|e| e.expect("a file").file_name());
-    let mut names: Vec<String> = names.filter_map(|n| Some(n.to_str()?.strip_suffix(".ca.toml")?.to_owned())).collect();
-    names.sort();
-    names
 }
 
 /// All instruments, by name.

@@ -8,10 +8,11 @@ use crate::acoustics;
 use ca_compile::Options;
 use ca_io::gesture::{Gesture, Track};
 use ca_io::perform::{self, Performance};
+use ca_io::play::{BLOCK, play};
 use ca_model::{Model, Value, quantity};
 use std::cell::RefCell;
+use std::convert::Infallible;
 use std::rc::Rc;
-use std::time::Instant;
 
 /// A way to play an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,17 +154,18 @@ impl Plays {
         tracks.retain(|t| !take.moved.iter().any(|m| m.0 == t.name()));
         tracks.extend(moved.map(|t| t.expect("points of a take rise in time")));
         let gesture = (!tracks.is_empty()).then(|| Gesture::new(tracks).expect("tracks have different names"));
-        let mut p = Performance::new(&scene, gesture.as_ref()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let p = Performance::new(&scene, gesture.as_ref()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let seconds = perform::seconds(&p, (take.seconds > 0.0).then_some(take.seconds));
         let frames = perform::frames(&scene, seconds) as usize;
         let mut out = vec![Vec::with_capacity(frames); scene.n_out];
-        let begin = Instant::now();
-        for _ in 0..frames {
-            p.tick();
-            out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
-        }
-        let wall = begin.elapsed().as_secs_f64();
-        assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{name} diverges");
+        let Ok(played) = play(p, frames as u64, BLOCK, &mut |_, rows, _| {
+            for row in rows.chunks_exact(scene.n_out.max(1)) {
+                out.iter_mut().zip(row).for_each(|(o, v)| o.push(*v));
+            }
+            Ok::<(), Infallible>(())
+        });
+        let wall = played.wall.as_secs_f64();
+        assert!(played.diverged_at.is_none() && out.iter().flatten().all(|v| v.is_finite()), "{name} diverges");
         let probed = out.split_off(scene.channels);
         let probe = scene.probe_names.iter().cloned().zip(probed).collect();
         Render { rate: scene.rate, sound: out, probe, modules: [scene.mats(), scene.lias()], wall }

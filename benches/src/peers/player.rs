@@ -2,9 +2,9 @@
 
 use super::net::Net;
 use super::write;
+use ca_accuracy::timing::processor;
 use cordis_anima::ca_core::scene::Location;
 use cordis_anima::{Loaded, Options, Scene, State, process};
-use rustix::time::{ClockId, clock_gettime};
 use std::io::{BufRead as _, BufReader, Error, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -84,12 +84,6 @@ impl Engine {
     }
 }
 
-/// Processor time of this thread \[ns\].
-fn processor() -> f64 {
-    let now = clock_gettime(ClockId::ThreadCPUTime);
-    1e9 * now.tv_sec as f64 + now.tv_nsec as f64
-}
-
 impl Player for Engine {
     fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
         let mut all = Vec::with_capacity(ticks);
@@ -105,7 +99,7 @@ impl Player for Engine {
         self.blocks(ticks, |out| {
             std::hint::black_box(out);
         });
-        Ok(processor() - begin)
+        Ok((processor() - begin).as_nanos() as f64)
     }
 }
 

@@ -3,8 +3,8 @@
 
 pub mod page;
 
-use crate::model;
-use ca_compile::{Options, compile};
+use crate::{compiled, model};
+use ca_compile::KernelClass;
 use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -60,8 +60,7 @@ pub fn text(a: f64, method: &str, seed: u64) -> String {
 }
 
 fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
-    let model = model(&text(a, method, seed));
-    compile(&model, &ca_model::catalog(), &Options { energy, ..Options::default() }).expect("the rattle compiles").scene
+    compiled(&model(&text(a, method, seed)), KernelClass::Fast, energy)
 }
 
 /// How the energy of a run fared.

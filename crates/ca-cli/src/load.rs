@@ -66,5 +66,5 @@ pub fn warn(loaded: &Loaded, scene: &Compiled) {
 
 /// Compiles, or shows all findings and ends the command.
 pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
-    Ok(ca_lab::load::scene(loaded, options)?)
+    Ok(loaded.compile(options).map_err(ca_lab::Failure::Found)?)
 }

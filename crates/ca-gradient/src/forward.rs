@@ -15,9 +15,9 @@ use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
 use ca_core::numeric::{Dual, Precision, TANGENTS};
-use ca_core::{Catalog, Scene, State, tick};
+use ca_core::{Catalog, Scene, State};
 use ca_io::gesture::Gesture;
-use ca_io::perform::DIVERGED;
+use ca_io::player::Player;
 use ca_model::Model;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog, laws};
@@ -282,16 +282,16 @@ impl Forward {
             }
             i += 1;
         });
-        let mut s = scene.state_from(|input| played.hands.get(input).copied().flatten());
+        let mut player = Player::new(scene.state_from(|input| played.hands.get(input).copied().flatten()));
         let inputs = scene.inputs.len();
         for frame in 0..played.frames {
-            s.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
-            tick(&scene, &mut s);
-            heard(frame, &s);
-            if s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED) {
+            player.state.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
+            player.tick(&scene);
+            heard(frame, &player.state);
+            if player.diverged {
                 return Err(diverged());
             }
-            if s.tick.is_multiple_of(BLOCK) && !goes_on() {
+            if player.state.tick.is_multiple_of(BLOCK) && !goes_on() {
                 return Err(Error::Stopped);
             }
         }

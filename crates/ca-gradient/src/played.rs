@@ -3,12 +3,11 @@
 use crate::Error;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{self, Performance};
+pub(crate) use ca_io::play::BLOCK;
+use ca_io::play::play;
 
 /// Asked now and then, while it plays, whether to go on.
 pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
-
-/// Ticks between two such questions.
-pub(crate) const BLOCK: u64 = 1024;
 
 /// What a scene is given while it plays.
 pub(crate) struct Played {
@@ -33,10 +32,9 @@ impl Played {
         let n = scene.inputs.len();
         let hands = (0..n).map(|i| p.hand(i)).collect();
         let mut given = zeros(frames, n, 1)?;
-        for (row, tick) in given.chunks_exact_mut(n.max(1)).zip(1_u64..) {
-            p.tick();
-            row.copy_from_slice(&p.state.input);
-            if tick.is_multiple_of(BLOCK) && !goes_on() {
+        for rows in given.chunks_mut(BLOCK as usize * n.max(1)) {
+            p.given(rows);
+            if !goes_on() {
                 return Err(Error::Stopped);
             }
         }
@@ -69,20 +67,17 @@ pub(crate) fn output(
     gesture: Option<&Gesture>,
     goes_on: GoesOn,
 ) -> Result<Vec<f64>, Error> {
-    let mut p = Performance::new(scene, gesture)?;
+    let p = Performance::new(scene, gesture)?;
     let frames = perform::frames(scene, perform::seconds(&p, seconds));
     let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.n_out, 1)?;
     all.clear();
-    let mut left = frames;
-    while left > 0 {
-        let run = left.min(BLOCK);
-        p.ticks(run, &mut all);
-        left -= run;
-        if !goes_on() {
-            return Err(Error::Stopped);
-        }
-    }
-    if p.diverged { Err(diverged()) } else { Ok(all) }
+    let mut silent = false;
+    play(p, frames, BLOCK, &mut |p, rows, _| {
+        all.extend_from_slice(rows);
+        silent = p.diverged;
+        if goes_on() { Ok(()) } else { Err(Error::Stopped) }
+    })?;
+    if silent { Err(diverged()) } else { Ok(all) }
 }
 
 /// How many samples a cotangent has.

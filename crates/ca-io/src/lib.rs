@@ -51,19 +51,15 @@ pub mod files;
 #[cfg(feature = "files")]
 pub mod flac;
 pub mod gesture;
-#[cfg(feature = "files")]
-pub mod length;
 pub mod live_midi;
 #[cfg(feature = "files")]
-pub mod perform;
+pub mod play;
 #[cfg(feature = "files")]
 pub mod probe;
 #[cfg(feature = "files")]
 pub mod reading;
 #[cfg(feature = "files")]
 pub mod recording;
-#[cfg(feature = "files")]
-pub mod running;
 #[cfg(feature = "files")]
 pub mod slow;
 #[cfg(feature = "files")]
@@ -72,3 +68,5 @@ pub mod sound;
 mod wav_header;
 
 pub use error::{FileError, FileErrorKind};
+#[cfg(feature = "files")]
+pub use play::{length, perform, player, running};

@@ -1,31 +1,17 @@
-//! What the command and Python both do with a model: find it, play it, measure it, sweep it.
+//! The work that every program does with a model: find it, play it, judge the sound.
 //!
-//! Decides that the front ends share more than the engine: which word means which model, how long it is played, when it has
-//! diverged and what every method makes of it. A front end adds its arguments and its output.
+//! The front ends share more than the engine: which word means which model, how long it is played, and when it has diverged. A front end
+//! adds its arguments and its output.
 //!
-//! Begin with [`load`], which finds a model, and [`play`]; [`sweep`], [`fit`], [`accuracy`] and [`mod@bench`] stand on them. What is not
-//! here: real time and devices (`ca-haptic`), and derivatives (`ca-gradient`). A program that plays scenes needs `cordis-anima` alone.
+//! Begin with [`load`], which finds a model, and [`play`]; `ca-fit`, `ca-sweep`, `ca-accuracy`, `ca-take` and `ca-film` stand on them.
+//! Real time and devices are in `ca-haptic`, derivatives in `ca-gradient`. A program that plays scenes needs `cordis-anima` alone.
 #![forbid(unsafe_code)]
 
-pub mod account;
-pub mod accuracy;
-pub mod batch;
-pub mod bench;
 pub mod bytes;
-pub mod demands;
 pub mod facts;
-pub mod fit;
-pub mod gesture;
 pub mod load;
 pub mod outcome;
-mod pitch;
 pub mod play;
-pub mod schedule;
-pub mod sweep;
-pub mod take;
-pub mod timing;
-pub mod tune;
-pub mod view;
 pub mod watch;
 
 pub use cordis_anima::{Found, Loaded, catalog};
@@ -54,6 +40,12 @@ impl Failure {
                 first.map_or_else(String::new, |d| format!("{}: {}", d.code, d.title))
             }
         }
+    }
+}
+
+impl From<Box<Found>> for Failure {
+    fn from(found: Box<Found>) -> Failure {
+        Failure::Found(found)
     }
 }
 

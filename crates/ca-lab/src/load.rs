@@ -15,8 +15,7 @@ use ca_model::render::line_column;
 pub use ca_model::suggest::listed as ticked;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
-use cordis_anima::loaded;
-pub use cordis_anima::loaded::{stem, utf8};
+pub use cordis_anima::loaded::{mims_text, stem, text, utf8};
 pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
 
@@ -27,20 +26,6 @@ pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
 }
 
-/// The text of a MIMS file, in whatever way it was saved.
-///
-/// # Errors
-/// Where the file cannot be read.
-pub fn mims_text(path: &Path) -> Result<String, Failure> {
-    Ok(loaded::mims_text(path)?)
-}
-
-/// The text of a file of ours, or why not.
-///
-/// # Errors
-/// Where the file cannot be read, is too large or no text.
-pub fn text(path: &Path) -> Result<String, Failure> {
-    Ok(loaded::text(path)?)
 }
 
 /// Whether a path has this extension, whatever its case.
@@ -243,14 +228,6 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
         Ok(Compiled { scene, findings, .. }) => (Some(scene), findings),
         Err(found) => (None, found.diags),
     }
-}
-
-/// Compiles.
-///
-/// # Errors
-/// [`Failure::Found`] with all findings.
-pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
-    loaded.compile(options).map_err(Failure::Found)
 }
 
 /// Warnings among findings.

@@ -5,12 +5,14 @@
 
 use crate::load::{Loaded, compiled};
 use crate::play::{Divergence, Played, gained};
-use ca_compile::{Compiled, Options};
+use ca_compile::Options;
+use ca_core::Scene;
 use ca_io::gesture::Gesture;
 use ca_io::sound::Level;
+use ca_model::diag::Diags;
 
 /// Message of a scene without outputs.
-pub const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
+const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
 
 /// What became of a scene that was played.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,24 +32,24 @@ impl Outcome {
         Outcome { status: "invalid", message, failed: None }
     }
 
-    /// Of what was played: `compiled_of` says of what and how it was compiled, which is done again with the energy ledger to
-    /// find what is to blame where it diverged.
+    /// Of a scene that was played, with the findings of its compiler. It is compiled again, from `loaded` by `options` with the energy
+    /// ledger, where it diverged: that tells the module to blame.
     pub fn of(
         played: &Played,
         level: &Level,
-        scene: &Compiled,
+        (scene, findings): (&Scene, &Diags),
         (loaded, options): (&Loaded, &Options),
         gesture: Option<&Gesture>,
     ) -> Outcome {
         if played.diverged_at.is_some() {
             let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
             let audited = compiled(loaded, &options).0;
-            let scene_audited = audited.as_ref().unwrap_or(&scene.scene);
-            if let Some(d) = Divergence::of(played, scene_audited, &scene.findings, gesture) {
+            let scene_audited = audited.as_ref().unwrap_or(scene);
+            if let Some(d) = Divergence::of(played, scene_audited, findings, gesture) {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
-        let outcome = Outcome::heard(level, played.performance.state.refused, scene.scene.n_out > 0);
+        let outcome = Outcome::heard(level, played.performance.state.refused, scene.n_out > 0);
         match played.energy.as_ref().and_then(|ledger| gained(&ledger.balance())) {
             Some(message) if outcome.status == "ok" => Outcome { status: "gained", message, failed: None },
             _ => outcome,

@@ -1,4 +1,4 @@
-//! The loop that plays without a clock, and how long a model is played.
+//! A play by [`ca_io::play`] and its judgement: its ledger, the cause of its divergence, the time that it lasted.
 
 use ca_core::Scene;
 use ca_core::live::LiveParam;
@@ -7,88 +7,10 @@ use ca_io::gesture::Gesture;
 pub use ca_io::length::Length;
 use ca_io::perform::{DIVERGED, Performance};
 pub use ca_io::perform::{frames, seconds};
+pub use ca_io::play::{BLOCK, Played, Sink, play};
 pub use ca_io::sound::Sample;
 use ca_model::diag::Diags;
 use ca_model::quantity;
-use std::time::{Duration, Instant};
-
-/// Ticks between two looks at what was played.
-pub const BLOCK: u64 = 1024;
-
-/// What playing left behind.
-pub struct Played<'a> {
-    /// at its end
-    pub performance: Performance<'a>,
-    /// samples that were played
-    pub frames: u64,
-    /// time spent
-    pub wall: Duration,
-    /// the tick at which it was found to have diverged
-    pub diverged_at: Option<u64>,
-    /// the ledger at the end, or before anything left its range
-    pub energy: Option<Ledger>,
-    /// ticks in the ledger
-    pub energy_ticks: u64,
-}
-
-/// What is done with outputs, rows one after the other, and with how many there have been.
-pub type Sink<'a, E> = dyn FnMut(&Performance, &[f64], u64) -> Result<(), E> + 'a;
-
-/// Plays for a length. After every `block` of samples, `heard` gets their outputs.
-///
-/// # Errors
-/// Those of `heard`, which end it.
-pub fn play<'a, E>(
-    mut p: Performance<'a>,
-    length: impl Into<Length>,
-    block: u64,
-    heard: &mut Sink<E>,
-) -> Result<Played<'a>, E> {
-    let mut length = length.into();
-    let n_out = p.scene.n_out;
-    let mut rows = Vec::with_capacity(block as usize * n_out);
-    let mut last_good: Option<(Ledger, u64)> = None;
-    let begin = Instant::now();
-    let mut done = 0;
-    while done < length.frames {
-        let block = block.min(length.frames - done);
-        rows.clear();
-        if p.state.ledger.is_none() {
-            p.ticks(block, &mut rows);
-        } else {
-            for _ in 0..block {
-                keep_ledger(&p, &mut last_good);
-                p.tick();
-                rows.extend_from_slice(&p.state.output[..n_out]);
-            }
-        }
-        done += block;
-        heard(&p, &rows, done)?;
-        if !length.hear(&rows, n_out, p.scene.channels) {
-            break;
-        }
-    }
-    let wall = begin.elapsed();
-    // what diverged between two looks at the state is found here at the latest
-    p.diverged |= !p.state.is_bounded(DIVERGED);
-    let diverged_at = p.diverged.then_some(p.state.tick);
-    let (energy, energy_ticks) = match last_good {
-        Some((ledger, tick)) => (Some(ledger), tick),
-        None => (p.state.ledger.as_deref().cloned(), p.state.tick),
-    };
-    // a tick is entered when the next one begins
-    let energy_ticks = energy_ticks.saturating_sub(1);
-    Ok(Played { performance: p, frames: done, wall, diverged_at, energy, energy_ticks })
-}
-
-/// Where a ledger is kept and the positions have just left every range: the ledger as it was.
-fn keep_ledger(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
-    if let (Some(ledger), None, false) = (p.state.ledger.as_deref(), &*last_good, p.diverged) {
-        if !p.state.is_bounded(DIVERGED) {
-            *last_good = Some((ledger.clone(), p.state.tick));
-        }
-    }
-}
 
 /// An energy ledger, and how much time it covers.
 pub struct Audit {
@@ -119,9 +41,7 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
     let ticks = frames.min((SECONDS * audited.rate) as u64).min(afford).max(1);
     let bounded = |look: u64| {
         let mut p = Performance::new(audited, gesture).ok()?;
-        while p.state.tick < ticks + 1 && p.state.is_bounded(DIVERGED) {
-            (0..look.min(ticks + 1 - p.state.tick)).for_each(|_| p.tick());
-        }
+        p.until(ticks + 1, look);
         Some(p)
     };
     let mut p = bounded(LOOK)?;
@@ -131,7 +51,7 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
     }
     let entered = p.state.tick.saturating_sub(1);
     let diverged = !p.state.is_bounded(DIVERGED);
-    p.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, whole: false, diverged })
+    p.player.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, whole: false, diverged })
 }
 
 /// Why a scene left every range.

@@ -102,8 +102,8 @@ fn make(
         load::set_typed(&mut loaded, name, value).map_err(words)?;
     }
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
-    let compiled = load::scene(&loaded, &options).map_err(words)?;
-    let met = coupling::meet(compiled, setups, &mut options, |options| load::scene(&loaded, options));
+    let compiled = loaded.compile(&options).map_err(|found| words(found.into()))?;
+    let met = coupling::meet(compiled, setups, &mut options, |options| loaded.compile(options));
     let (softened, setups) = (met.said(), met.setups(setups));
     let compiled = met.compiled;
     let drawing = Arc::new(Drawing::new(&compiled.scene));

@@ -17,10 +17,10 @@ use ca_haptic::profile::Profile;
 use ca_haptic::rt::{self, RtRequest};
 use ca_haptic::serve::{BufferLimits, Clock, Live, RecordIntervals, Recorder, Shared, rings};
 use ca_haptic::take::Header;
-use ca_lab::take::devices;
-use ca_lab::{Failure, load};
+use ca_lab::Failure;
 use ca_model::diag::Severity;
 use ca_session::answer;
+use ca_take::devices;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Receiver;
@@ -190,14 +190,14 @@ fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failu
         whole: request.page.is_some_and(|p| !p.lean),
         ..Options::default()
     };
-    let compiled = load::scene(loaded, &options)?;
+    let compiled = loaded.compile(&options)?;
     let mut warnings = compiled.findings.clone();
     warnings.list.retain(|d| d.severity == Severity::Warning);
     if !warnings.list.is_empty() {
         listener.findings(&warnings, &loaded.model);
     }
     let (setups, unknown) = setup::setups(&request.devices, &compiled.scene, listener)?;
-    let met = coupling::meet(compiled, &setups, &mut options, |options| load::scene(loaded, options));
+    let met = coupling::meet(compiled, &setups, &mut options, |options| loaded.compile(options));
     let (softened, played) = (met.said(), met.setups(&setups));
     let scene = Arc::new(met.compiled.scene);
     Ok(Compiled { options, scene, setups, unknown, played, softened })

@@ -9,7 +9,7 @@ use ca_haptic::host::{HostError, HostErrorKind};
 use ca_haptic::profile::Profile;
 use ca_lab::Failure;
 use ca_lab::load::ticked;
-use ca_lab::take::{beyond, devices, dofs};
+use ca_take::{beyond, devices, dofs};
 use std::sync::Arc;
 
 /// Everything that belongs to each device; and of each that nobody has described, what it may do at most.

@@ -5,7 +5,7 @@
 
 use crate::quantity;
 use alloc::format;
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 /// More modules (MATs and LIAs) than this are refused before any is made: a slip of a digit should not eat the machine,
@@ -75,6 +75,29 @@ impl Value {
             (_, "true") => Value::Bool(true),
             (_, "false") => Value::Bool(false),
             _ => Value::Text(text.into()),
+        }
+    }
+
+    /// As a number in SI units, if it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Value::Num(v) => Some(*v),
+            Value::Text(t) => quantity::parse(t).ok().map(|q| q.value),
+            _ => None,
+        }
+    }
+
+    /// The text that gives this value where it is typed.
+    pub fn shown(&self) -> String {
+        match self {
+            Value::Num(v) => v.to_string(),
+            Value::Text(t) => t.clone(),
+            Value::Bool(b) => b.to_string(),
+            Value::List(v) => format!("[{}]", v.iter().map(|e| e.value.shown()).collect::<Vec<_>>().join(", ")),
+            Value::Table(v) => {
+                let one = v.iter().map(|e| format!("{} = {}", e.key, e.value.shown()));
+                format!("{{{}}}", one.collect::<Vec<_>>().join(", "))
+            }
         }
     }
 }

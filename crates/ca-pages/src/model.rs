@@ -6,7 +6,7 @@ use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use ca_lab::accuracy::{self, AccuracyOptions};
+use ca_accuracy::AccuracyOptions;
 use ca_lab::play::{self, Divergence, Length, lasted};
 use ca_lab::{Failure, Loaded, load};
 use ca_model::quantity::short;
@@ -84,10 +84,10 @@ impl<'a> ModelPage<'a> {
             ..Options::default()
         };
         // a default probe that cannot be compiled is left out
-        let own = (probes.is_empty()).then(|| load::scene(loaded, &with(heard(&loaded.model.items))).ok()).flatten();
+        let own = (probes.is_empty()).then(|| loaded.compile(&with(heard(&loaded.model.items))).ok()).flatten();
         let (scene, probes) = match own {
             Some(scene) => (scene, heard(&loaded.model.items)),
-            None => (load::scene(loaded, &with(probes.to_vec()))?, probes.to_vec()),
+            None => (loaded.compile(&with(probes.to_vec()))?, probes.to_vec()),
         };
         Ok(ModelPage { loaded, scene, options: with(Vec::new()), probes, composed })
     }
@@ -138,7 +138,7 @@ impl<'a> ModelPage<'a> {
         ledger.diverged_at = divergence.as_ref().map(|b| b.time);
         let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
         let mut report = Report::new(title, &format!("`{}`, {}", source_name(loaded), finished()));
-        report.picture = ca_lab::view::picture(&film)?;
+        report.picture = ca_film::picture(&film)?;
         report.notes = parts::notes(&sound, divergence.is_some());
         if let Some(divergence) = &divergence {
             report.notes.insert(0, (Weight::Warning, divergence.to_string()));
@@ -178,7 +178,7 @@ impl<'a> ModelPage<'a> {
         options: &PageOptions,
         goes_on: &mut dyn FnMut(Work) -> bool,
     ) -> Result<Option<Section>, Failure> {
-        let probes = accuracy::heard(&self.loaded.model);
+        let probes = ca_accuracy::heard(&self.loaded.model);
         if options.accuracy == 0.0 || probes.is_empty() {
             return Ok(None);
         }
@@ -191,10 +191,10 @@ impl<'a> ModelPage<'a> {
             remedy: options.remedy,
             progress: &mut |done, of| goes_on(Work::Compared(done, of)),
         };
-        match accuracy::measured(self.loaded, &mut ask) {
+        match ca_accuracy::measured(self.loaded, &mut ask) {
             Ok(found) => Ok(Some(found.section())),
             Err(Failure::Failed(why) | Failure::Usage(why)) => {
-                Ok(Some(Section::new(accuracy::TITLE, vec![Block::Text(why)])))
+                Ok(Some(Section::new(ca_accuracy::TITLE, vec![Block::Text(why)])))
             }
             Err(other) => Err(other),
         }

@@ -3,9 +3,9 @@
 use crate::error::{failure, file};
 use crate::gesture::Gesture;
 use crate::wait::apart;
+use ca_fit::{Distance, FitOptions, Pitch, Range, Stage, StopReason, Words};
 use ca_io::recording::Recording;
 use ca_lab::Failure;
-use ca_lab::fit::{self, Distance, FitOptions, Pitch, Range, Stage, StopReason, Words};
 use ca_lab::load::Loaded;
 use ca_model::Value;
 use numpy::PyReadonlyArray2;
@@ -82,9 +82,9 @@ pub fn fitted<'py>(
             words: &Words::PYTHON,
             progress: &mut |done, of| wanted.goes_on(u64::from(done), u64::from(of)),
         };
-        let found = fit::fit(&loaded, &recording, &mut ask)?;
+        let found = ca_fit::fit(&loaded, &recording, &mut ask)?;
         if let Some(path) = asked.report.as_ref().filter(|_| wanted.still()) {
-            let page = fit::report(&found, &loaded.name, &name).html();
+            let page = ca_fit::report(&found, &loaded.name, &name).html();
             ca_io::atomic_file::write(path, page.as_bytes())?;
         }
         Ok::<_, Failure>(found)

@@ -2,14 +2,13 @@
 
 use crate::error::{failure, usage};
 use crate::wait::apart;
+use ca_accuracy::AccuracyOptions;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::kind::Type;
 use ca_core::scene::Location;
 use ca_core::state::Ledger;
-use ca_lab::accuracy::{self, AccuracyOptions};
-use ca_lab::load::{self, Loaded};
-use ca_lab::{Failure, Found, catalog};
+use ca_lab::{Failure, Found, Loaded, catalog};
 use ca_model::quantity::{Quantity, QuantityError, parse};
 use numpy::{IntoPyArray as _, PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::prelude::*;
@@ -83,7 +82,7 @@ pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bou
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
-        Ok((network, load::scene(&loaded, &options)?.scene))
+        Ok((network, loaded.compile(&options)?.scene))
     })?;
     let (network, scene) = found.map_err(|e| failure(py, e))?;
     // the motion into the first tick is that of the scene, which begins by the forces at load
@@ -159,7 +158,7 @@ pub fn accuracy<'py>(
     asked: AccuracyArgs,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let probes = if asked.probes.is_empty() { accuracy::heard(&loaded.model) } else { asked.probes };
+    let probes = if asked.probes.is_empty() { ca_accuracy::heard(&loaded.model) } else { asked.probes };
     if probes.is_empty() {
         return Err(usage(py, "the model has no output to compare; name what to listen to by `probes`"));
     }
@@ -173,11 +172,11 @@ pub fn accuracy<'py>(
             remedy: "play longer, `seconds`, or listen elsewhere, `probes`",
             progress: &mut |done, of| wanted.goes_on(done, of),
         };
-        accuracy::measured(&loaded, &mut ask)
+        ca_accuracy::measured(&loaded, &mut ask)
     });
     let found = found?.map_err(|e| failure(py, e))?;
     let rows = &found.rows;
-    let column = |f: &dyn Fn(&accuracy::MethodRow) -> f64| -> Bound<'py, PyArray1<f64>> {
+    let column = |f: &dyn Fn(&ca_accuracy::MethodRow) -> f64| -> Bound<'py, PyArray1<f64>> {
         rows.iter().map(f).collect::<Vec<f64>>().into_pyarray(py)
     };
     let d = PyDict::new(py);

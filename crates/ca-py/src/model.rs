@@ -8,8 +8,8 @@ use crate::scene::Scene;
 use crate::wait::apart;
 use ca_compile::Options;
 use ca_core::kind::Role;
+use ca_lab::bytes;
 use ca_lab::load::{self, BUNDLED, Loaded};
-use ca_lab::{bytes, take};
 use ca_model::diag::Severity;
 use ca_model::part::library::LIBRARY;
 use ca_model::part::{self, Part, Use};
@@ -375,7 +375,7 @@ impl Model {
         let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
         let made = apart(py, None, move |_| {
-            let scene = load::scene(&loaded, &options)?;
+            let scene = loaded.compile(&options)?;
             Ok(Scene::new(scene, loaded, options))
         });
         made?.map_err(|e| failure(py, e))
@@ -395,11 +395,11 @@ impl Model {
         forces: bool,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
-        let ask = take::RecordOptions { seconds, rate, energy, forces };
+        let ask = ca_take::RecordOptions { seconds, rate, energy, forces };
         let loaded = self.whole();
         let done = apart(py, progress, move |wanted| {
             let gesture = gesture.as_ref().map(|g| &g.get().gesture);
-            take::record(&loaded, gesture, &ask, &path, &mut |done, of| wanted.goes_on(done, of)).map(drop)
+            ca_take::record(&loaded, gesture, &ask, &path, &mut |done, of| wanted.goes_on(done, of)).map(drop)
         });
         done?.map_err(|e| failure(py, e))
     }

@@ -5,15 +5,13 @@ use crate::gesture::Gesture;
 use crate::measure::{energy, table};
 use crate::scene::Scene;
 use crate::wait::{Wanted, apart};
-use ca_compile::Options;
 use ca_core::state::Ledger;
 use ca_io::FileError;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
 use ca_lab::Failure;
-use ca_lab::load;
-use ca_lab::outcome::MUTE;
-use ca_lab::play::{self, BLOCK, Divergence, Sample};
+use ca_lab::outcome::Outcome;
+use ca_lab::play::{self, BLOCK, Sample};
 use numpy::{Element, IntoPyArray as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -24,10 +22,9 @@ struct Heard<S> {
     audio: Vec<S>,
     probes: Vec<f64>,
     level: Level,
-    refused: u64,
     /// \[s\]
     run_time: f64,
-    divergence: Option<Divergence>,
+    outcome: Outcome,
     /// the ledger, and how many ticks it covers
     energy: Option<(Ledger, u64)>,
 }
@@ -68,15 +65,10 @@ fn heard<S: Sample>(
         if wanted.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     });
     let played = played.map_err(Unheard::Failed)?;
-    let divergence = played.diverged_at.and_then(|_| {
-        let (loaded, options) = of.source();
-        let options = Options { energy: true, probes: Vec::new(), ..options.clone() };
-        let audited = load::compiled(loaded, &options).0;
-        Divergence::of(&played, audited.as_ref().unwrap_or(scene), &of.found, gesture)
-    });
-    let (frames, refused) = (played.frames, played.performance.state.refused);
+    let outcome = Outcome::of(&played, &level, (scene, &of.found), of.source(), gesture);
+    let frames = played.frames;
     let (run_time, energy) = (played.wall.as_secs_f64(), played.energy.map(|e| (e, played.energy_ticks)));
-    Ok(Heard { frames, audio, probes, level, refused, run_time, divergence, energy })
+    Ok(Heard { frames, audio, probes, level, run_time, outcome, energy })
 }
 
 /// See `cordis_anima.Scene.render`; `S` is how samples are kept.
@@ -106,13 +98,12 @@ pub fn render<S: Sample + Element + 'static>(
     d.set_item("peak", heard.level.peak.into_pyarray(py))?;
     d.set_item("clipped", heard.level.clipped)?;
     d.set_item("non_finite", heard.level.non_finite)?;
-    d.set_item("refused", heard.refused)?;
-    d.set_item("mute", (scene.n_out == 0).then_some(MUTE))?;
     d.set_item("run_time", heard.run_time)?;
-    d.set_item("broke", heard.divergence.map(|b| (b.time, b.module.clone(), b.to_string())))?;
+    d.set_item("status", heard.outcome.status)?;
+    d.set_item("message", heard.outcome.message)?;
+    d.set_item("failed", heard.outcome.failed)?;
     if let Some((ledger, ticks)) = &heard.energy {
         d.set_item("energy", energy(py, scene, ledger, *ticks)?)?;
-        d.set_item("gained", play::gained(&ledger.balance()))?;
     }
     Ok(d)
 }

@@ -9,8 +9,8 @@ use crate::wait::apart;
 use ca_compile::{Compiled, Options};
 use ca_core::scene::InputRole;
 use ca_io::gesture::PortMap;
+use ca_lab::bytes;
 use ca_lab::load::{self, Loaded};
-use ca_lab::{bytes, view};
 use ca_model::diag::Diags;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -163,7 +163,7 @@ impl Scene {
             let options = Options { whole: true, energy: false, probes: Vec::new(), ..of.options.clone() };
             let whole = load::compiled(&of.loaded, &options).0;
             let (scene, gesture) = (whole.as_ref().unwrap_or(&of.compiled), gesture.as_ref().map(|g| &g.get().gesture));
-            view::scene(scene, gesture, seconds, &mut |done, all| wanted.goes_on(done, all))
+            ca_film::scene(scene, gesture, seconds, &mut |done, all| wanted.goes_on(done, all))
         });
         page?.map_err(|e| failure(py, e))
     }

@@ -8,6 +8,7 @@ use crate::error::{failure, usage};
 use crate::wait::Look;
 use ca_io::running::Running;
 use ca_lab::Failure;
+use ca_lab::outcome::Outcome;
 use ca_lab::play::Sample;
 use numpy::{Element, PyReadonlyArray2, PyReadwriteArray2, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;
@@ -105,23 +106,23 @@ impl Sim {
                 }
                 if let Some(given) = &given {
                     let row = given.row(if rows == 1 { 0 } else { i });
-                    r.state.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
+                    r.player.state.input.iter_mut().zip(row).for_each(|(to, v)| *to = *v);
                 }
-                r.sense(scene);
+                r.player.sense(scene);
                 if let Some(audio) = &mut audio {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                        *to = S::of(r.level.keep(k, r.state.output[k]));
+                        *to = S::of(r.level.keep(k, r.player.state.output[k]));
                     }
                 }
                 if let Some(probes) = &mut probes {
-                    probes.row_mut(i).iter_mut().zip(&r.state.output[channels..]).for_each(|(to, v)| *to = *v);
+                    probes.row_mut(i).iter_mut().zip(&r.player.state.output[channels..]).for_each(|(to, v)| *to = *v);
                 }
                 if let Some(forces) = &mut forces {
                     for (to, input) in forces.row_mut(i).iter_mut().zip(ports) {
                         *to = r.force(*input);
                     }
                 }
-                r.advance(scene);
+                r.player.advance(scene);
             }
         });
         look.error.map_or(Ok(()), Err)
@@ -146,19 +147,27 @@ impl Sim {
     /// Samples so far.
     #[getter]
     fn tick(&self, py: Python) -> u64 {
-        self.with(py, |r| r.state.tick)
+        self.with(py, |r| r.player.state.tick)
     }
 
     /// True once it has diverged: silence from there on.
     #[getter]
     fn diverged(&self, py: Python) -> bool {
-        self.with(py, |r| r.diverged)
+        self.with(py, |r| r.player.diverged)
     }
 
     /// Samples cut off at full scale, samples without a value, inputs without a value.
     #[getter]
     fn counts(&self, py: Python) -> (u64, u64, u64) {
-        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.state.refused))
+        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.player.state.refused))
+    }
+
+    /// `ok`, `unstable`, `clipped` or `refused`, of all that was played.
+    #[getter]
+    fn status(&self, py: Python) -> &'static str {
+        self.with(py, |r| {
+            if r.player.diverged { "unstable" } else { Outcome::heard(&r.level, r.player.state.refused, true).status }
+        })
     }
 
     /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
@@ -183,7 +192,7 @@ impl Sim {
         let ticks = samples.saturating_mul(self.scene.oversample());
         let done = self.with(py, |r| {
             let patch = r.controls.set(name, value)?;
-            r.state.apply(&patch, ticks);
+            r.player.state.apply(&patch, ticks);
             Ok::<(), ca_core::live::Refused>(())
         });
         done.map_err(|e| failure(py, Failure::Usage(e.to_string())))
@@ -214,12 +223,12 @@ impl Sim {
     /// What every input is given at present.
     #[getter]
     fn inputs(&self, py: Python) -> Vec<f64> {
-        self.with(py, |r| r.state.input.clone())
+        self.with(py, |r| r.player.state.input.clone())
     }
 
     /// The energy ledger, where one is kept.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let (ledger, tick) = self.with(py, |r| (r.state.ledger.clone(), r.state.tick));
+        let (ledger, tick) = self.with(py, |r| (r.player.state.ledger.clone(), r.player.state.tick));
         ledger.map(|b| crate::measure::energy(py, &self.scene, &b, tick.saturating_sub(1))).transpose()
     }
 }

@@ -6,8 +6,8 @@ use crate::measure::table;
 use crate::model::{Given, Model};
 use crate::wait::{apart, unless};
 use ca_lab::Failure;
-use ca_lab::sweep::folder::{self, Folder};
-use ca_lab::sweep::{self, Audio, Axis, Column, SweepSpec};
+use ca_sweep::folder::{self, Folder};
+use ca_sweep::{Audio, Axis, Column, SweepSpec};
 use numpy::{IntoPyArray as _, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// A sweep, ready for any of its runs.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Sweep {
-    sweep: sweep::Sweep,
+    sweep: ca_sweep::Sweep,
     stop: AtomicBool,
 }
 
@@ -61,7 +61,7 @@ impl Sweep {
         let made = apart(py, None, move |_| {
             let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<_, _>>()?;
             let ask = SweepSpec { axes, runs, seed, seconds, rate, energy, measure };
-            sweep::Sweep::new(whole, ask, gesture)
+            ca_sweep::Sweep::new(whole, ask, gesture)
         });
         Ok(Sweep { sweep: made?.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })
     }
@@ -94,7 +94,7 @@ impl Sweep {
     #[getter]
     fn columns(&self) -> (Vec<String>, Vec<String>) {
         let all = self.sweep.table(&[]).columns.into_iter().map(|c| c.0).collect();
-        (all, self.sweep.ask().axes.iter().map(sweep::column).collect())
+        (all, self.sweep.ask().axes.iter().map(ca_sweep::column).collect())
     }
 
     /// What it computes, as a text: the same of equal sweeps, and of no others.
@@ -164,7 +164,7 @@ impl Sweep {
     fn until_stopped<R: Send + 'static>(
         of: &Py<Sweep>,
         py: Python,
-        work: impl FnOnce(&sweep::Sweep, &mut dyn FnMut() -> bool) -> Result<R, Failure> + Send + 'static,
+        work: impl FnOnce(&ca_sweep::Sweep, &mut dyn FnMut() -> bool) -> Result<R, Failure> + Send + 'static,
     ) -> PyResult<R> {
         let mine = of.clone_ref(py);
         let ended = || of.get().stop.load(Relaxed);
@@ -180,7 +180,7 @@ impl Sweep {
 }
 
 /// Numbers as arrays, NaN where there is none; texts as lists.
-fn columns(py: Python<'_>, table: sweep::RunTable) -> PyResult<Bound<'_, PyDict>> {
+fn columns(py: Python<'_>, table: ca_sweep::RunTable) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
     for (name, column) in table.columns {
         match column {

@@ -7,7 +7,7 @@ use crate::wait::{Wanted, apart};
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};
-use ca_lab::{Loaded, catalog, view};
+use ca_lab::{Loaded, catalog};
 use numpy::IntoPyArray as _;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -221,7 +221,7 @@ impl Take {
     /// The page of a film of it: see `cordis_anima.Take.view`.
     fn view(&self, py: Python) -> PyResult<String> {
         let take = self.take.clone();
-        apart(py, None, move |_| view::take(&take, &catalog()))?.map_err(|e| failure(py, e))
+        apart(py, None, move |_| ca_film::take(&take, &catalog()))?.map_err(|e| failure(py, e))
     }
 
     /// Plays it again: what was compared, and the first thing that is not as it was.

@@ -19,6 +19,7 @@
 
 mod envelope;
 mod page;
+pub mod pitch;
 mod plot;
 mod report;
 mod sound;

@@ -1,11 +1,12 @@
 //! A scene played to its end, in memory.
 //!
-//! Decides that it is the loop of [`Performance`], as for the command and Python: the same bits everywhere. A file, a
+//! The loop is [`ca_io::play`], as for the command and Python: the same bits everywhere. A file, a
 //! gesture or the energy ledger are for those who use [`ca_io`] themselves (`examples/render.rs`).
 
 use crate::error::Error;
 use ca_core::Scene;
 use ca_io::perform::{self, Performance};
+use ca_io::play::{BLOCK, play};
 use ca_io::{FileError, FileErrorKind};
 
 /// What a scene sounded like.
@@ -35,7 +36,7 @@ impl Rendered {
 /// [`Error::File`] where its gesture drives what is not there, where `seconds` is no time, or where so much sound does not
 /// fit into memory.
 pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
-    let mut p = Performance::new(scene, None)?;
+    let p = Performance::new(scene, None)?;
     let seconds = perform::seconds(&p, seconds);
     if seconds.is_nan() || seconds < 0.0 {
         let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s is no time to play for"));
@@ -48,12 +49,14 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
         let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s of sound do not fit into memory"));
         return Err(e.fix("play less, or play it by blocks with `ca_io::perform::Performance`").into());
     }
-    for _ in 0..frames {
-        p.tick();
-        sound.extend_from_slice(&p.state.output[..scene.channels]);
+    play(p, frames, BLOCK, &mut |p, rows, _| {
+        for row in rows.chunks_exact(scene.n_out.max(1)) {
+            sound.extend_from_slice(&row[..scene.channels]);
+        }
         if p.diverged && diverged.is_none() {
             diverged = Some(p.state.tick as f64 * scene.sample_dt);
         }
-    }
+        Ok::<(), Error>(())
+    })?;
     Ok(Rendered { rate: scene.rate, channels: scene.channels, sound, diverged })
 }

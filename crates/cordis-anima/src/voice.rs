@@ -92,7 +92,7 @@ impl Voice {
         if asked.is_nan() || self.running.controls.turn(param.0, value, &mut self.patch).is_err() {
             return was;
         }
-        self.running.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
+        self.running.player.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
         value
     }
 
@@ -100,12 +100,12 @@ impl Voice {
     /// [`Voice::params`] says does not follow, and a later [`Voice::set`] of any parameter goes by that: a voice is given its values
     /// in one of the two ways.
     pub fn apply(&mut self, patch: &Patch, over: u32) -> bool {
-        self.running.state.apply(patch, over.saturating_mul(self.scene.oversample()))
+        self.running.player.state.apply(patch, over.saturating_mul(self.scene.oversample()))
     }
 
     /// Gives a port a value that stays: absolute position \[m\], or force \[N\].
     pub fn hold(&mut self, port: Port, value: f64) {
-        if let Some(input) = self.running.state.input.get_mut(port.0) {
+        if let Some(input) = self.running.player.state.input.get_mut(port.0) {
             *input = value;
         }
     }
@@ -117,19 +117,19 @@ impl Voice {
         let n = out.iter().map(|channel| channel.len()).min().unwrap_or(0);
         for i in 0..n {
             for (port, samples) in inputs {
-                if let (Some(v), Some(input)) = (samples.get(i), self.running.state.input.get_mut(port.0)) {
+                if let (Some(v), Some(input)) = (samples.get(i), self.running.player.state.input.get_mut(port.0)) {
                     *input = f64::from(*v);
                 }
             }
-            self.running.sense(&self.scene);
+            self.running.player.sense(&self.scene);
             if i + 1 == n {
                 self.felt.iter_mut().enumerate().for_each(|(k, felt)| *felt = self.running.force(k));
             }
-            let Running { state, level, .. } = &mut self.running;
+            let Running { player, level, .. } = &mut self.running;
             for (k, channel) in out.iter_mut().enumerate() {
-                channel[i] = if k < self.scene.channels { level.keep(k, state.output[k]) as f32 } else { 0.0 };
+                channel[i] = if k < self.scene.channels { level.keep(k, player.state.output[k]) as f32 } else { 0.0 };
             }
-            self.running.advance(&self.scene);
+            self.running.player.advance(&self.scene);
         }
     }
 
@@ -146,7 +146,7 @@ impl Voice {
 
     /// True once it has diverged: silent from there on.
     pub fn has_diverged(&self) -> bool {
-        self.running.diverged
+        self.running.player.diverged
     }
 
     /// Back to the beginning, live parameters too; allocates, so between blocks and not in one.
@@ -156,7 +156,7 @@ impl Voice {
 
     /// How it stands.
     pub fn state(&self) -> &State {
-        &self.running.state
+        &self.running.player.state
     }
 
     /// All that decides its future as bytes, live parameters with it; allocates.

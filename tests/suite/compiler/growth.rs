@@ -1,8 +1,56 @@
-//! The growth of explicit contacts that findings state, played.
+//! The growth of explicit contacts that findings state, played: a lossless ball between two walls, from drawn starts
+//! (docs/numerics.md §3.2).
+//!
+//! Draws stiffness, place and speed, since one value alone may hit a stiffness that makes nothing at any phase. Draws by products and
+//! sums only, so that every machine plays the same starts.
 
-use ca_benches::growth::grew;
-use ca_core::scene::growth::{Growth, MEASURED};
+use crate::play::{Random, mat, scene};
+use ca_core::scene::growth::{Growth, MEASURED, SECONDS, STARTS, TIMES};
+use ca_core::tick;
 use ca_tests::long_form::long_form;
+
+const RATE: f64 = 48e3;
+const MASS: f64 = 1e-3;
+/// The walls \[m\].
+const WALLS: [f64; 2] = [-0.01, 0.0137];
+
+/// A number from 0 to 1.
+fn part(drawn: &mut Random) -> f64 {
+    0.5 * (drawn.uniform() + 1.0)
+}
+
+/// Of [`STARTS`] around a stiffness kT²/m, those whose energy passed [`TIMES`] that at load within [`SECONDS`].
+fn grew(stiffness: f64) -> u32 {
+    let mut drawn = Random(0x9e37_79b9_7f4a_7c15);
+    (0..STARTS).map(|_| u32::from(grows(stiffness, &mut drawn))).sum()
+}
+
+/// True of a start that does.
+fn grows(stiffness: f64, drawn: &mut Random) -> bool {
+    let k = stiffness * (0.7 + 0.7 * part(drawn)) * MASS * RATE * RATE;
+    let x = WALLS[0] + (WALLS[1] - WALLS[0]) * part(drawn);
+    let speed = 0.1 + 2.9 * part(drawn);
+    let v = if part(drawn) < 0.5 { -speed } else { speed };
+    let [low, high] = WALLS;
+    let scene = scene(&format!(
+        "[SOL]\nl = {{ x = {low:?} }}\nr = {{ x = {high:?} }}\n[MAS]\nb = {{ m = {MASS:?}, dx0 = {x:?}, v = {v:?} }}\n[BUT]\n\
+         c = {{ between = [\"l\", \"b\"], k = {k:?} }}\nd = {{ between = [\"b\", \"r\"], k = {k:?} }}\n[SOX]\n\
+         o = {{ from = \"b\" }}\n"
+    ));
+    let ball = mat(&scene, "b");
+    let mut s = scene.state();
+    let most = TIMES * (v / RATE) * (v / RATE);
+    let free = |x: f64| (low..=high).contains(&x);
+    for _ in 0..u64::from(SECONDS) * RATE as u64 {
+        tick(&scene, &mut s);
+        // between the walls all of its energy is motion
+        let (x, d) = (s.x[ball], s.d[ball]);
+        if free(x) && free(x - d) && d * d > most {
+            return true;
+        }
+    }
+    false
+}
 
 /// Plays each figure that findings state. The suite plays stiff contacts, which grow within seconds; the long form plays soft ones too,
 /// a minute of sound for most starts.

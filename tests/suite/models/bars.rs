@@ -1,7 +1,8 @@
 //! Bars: modes of what is struck, and how long each lasts.
 
+use super::closed_forms::eigenvalues;
 use super::heard::{blows, by_hand, load, perform, play, scene};
-use crate::acoustics::{centroid, cents, damping, eigenvalues, mode, partial, peak, rms, t60};
+use crate::acoustics::{centroid, cents, damping, mode, partial, peak, rms, t60};
 
 pub fn iron_bar() {
     let h = play("iron_bar", &["hammer.strike"]);

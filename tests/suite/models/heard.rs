@@ -1,6 +1,7 @@
 //! A model played by its own gesture, as heard and as probed, and what every model must keep.
 
-use crate::acoustics::{cents, damping, db, mode, partial, peak, sin2, stiffness};
+use super::closed_forms::sin2;
+use crate::acoustics::{cents, damping, db, mode, partial, peak, stiffness};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
 use ca_core::Scene;

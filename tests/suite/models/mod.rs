@@ -3,6 +3,7 @@
 
 mod bars;
 mod bowed;
+mod closed_forms;
 mod heard;
 mod keys;
 mod mallet;

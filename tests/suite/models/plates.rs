@@ -1,7 +1,8 @@
 //! Membranes, plates and gongs: modes of meshes, and what hardening springs do to them.
 
+use super::closed_forms::sin2;
 use super::heard::{Heard, blows, by_hand, play, scene};
-use crate::acoustics::{centroid, cents, damping, db, density, mode, partial, peak, rms, sin2, stiffness, t60};
+use crate::acoustics::{centroid, cents, damping, db, density, mode, partial, peak, rms, stiffness, t60};
 use ca_tests::long_form::long_form;
 
 /// λ of mode (p, q) of a closed (+1 on both sides) or open mesh, over a.

@@ -1,9 +1,10 @@
 //! Instruments in space, held by a hand: the rattle in its two manipulations, maracas, wind chimes; and one that is
 //! dropped, a jack.
 
+use super::closed_forms::eigenvalues;
 use super::heard::{Heard, blows, by_hand, load, perform, play, scene};
 use super::plates::share;
-use crate::acoustics::{cents, db, eigenvalues, mode, partial, peak, rms};
+use crate::acoustics::{cents, db, mode, partial, peak, rms};
 use ca_core::Scene;
 use ca_core::scene::Location;
 use ca_io::gesture::{Gesture, Track};

@@ -1,7 +1,8 @@
 //! Strings that are struck, plucked, touched and held: partials, decay, and what the player does to them.
 
+use super::closed_forms::sin2;
 use super::heard::{Heard, blows, by_hand, perform, play, scene};
-use crate::acoustics::{centroid, cents, damping, db, mode, partial, peak, period, rms, sin2, stiffness, t60};
+use crate::acoustics::{centroid, cents, damping, db, mode, partial, peak, period, rms, stiffness, t60};
 use crate::play::PI;
 
 pub fn hammered_string() {

@@ -1,8 +1,8 @@
 //! The page of instruments says what is measured, every bundled model is on it, and each sentence stands in a header and is so.
 //! `UPDATE=1` writes the figures anew; times, pictures and sounds are of the bench, `benches/instruments.rs`.
 
-use ca_benches::instruments::page::{page, same, times_of};
-use ca_benches::instruments::{Figures, Instrument, Plays, all, bundled, figures, on_all_cores, one_line};
+use ca_benches::instruments::page::{HEAD, page};
+use ca_benches::instruments::{Figures, Instrument, Plays, all, figures, on_all_cores, one_line};
 use ca_tests::long_form::long_form;
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -15,6 +15,55 @@ fn measured() -> &'static [(&'static Instrument, Figures)] {
 
 fn docs(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name)
+}
+
+/// Names of the bundled models, in order.
+fn bundled() -> Vec<String> {
+    let names = std::fs::read_dir(docs("../models")).expect("models/ is there").map(|e| e.expect("a file").file_name());
+    let mut names: Vec<String> = names.filter_map(|n| Some(n.to_str()?.strip_suffix(".ca.toml")?.to_owned())).collect();
+    names.sort();
+    names
+}
+
+/// The times of a page: the machine, and the cell of each instrument.
+fn times_of(page: &str) -> Option<(&str, Vec<(&str, &str)>)> {
+    let machine = page.strip_prefix(HEAD)?.split_once(".\n- **MAT")?.0;
+    let rows = page
+        .lines()
+        .filter_map(|l| l.strip_prefix("| ["))
+        .filter_map(|l| Some((l.split_once(']')?.0, l.split(" | ").nth(7)?)));
+    Some((machine, rows.collect()))
+}
+
+/// Compares two pages; a number with a point may differ by one of its last digit.
+fn same(a: &str, b: &str) -> Result<(), String> {
+    if a.lines().count() != b.lines().count() {
+        return Err(format!("{} lines, not {}", a.lines().count(), b.lines().count()));
+    }
+    let near = |a: &str, b: &str| {
+        let number = |t: &str| {
+            let t = t.trim_matches(|c: char| "(),:;".contains(c)).replace('−', "-");
+            Some((t.parse::<f64>().ok()?, t.split_once('.').map_or(0, |p| p.1.len())))
+        };
+        match (number(a), number(b)) {
+            (Some((a, d)), Some((b, e))) => d == e && (a - b).abs() < 1.5 * 10f64.powi(-(d as i32)),
+            _ => a == b,
+        }
+    };
+    for (a, b) in a.lines().zip(b.lines()) {
+        let words = [a, b].map(|l| l.split(' ').collect::<Vec<_>>());
+        if words[0].len() != words[1].len() || !words[0].iter().zip(&words[1]).all(|(a, b)| near(a, b)) {
+            return Err(format!("the page says\n{a}\nand measured is\n{b}"));
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_page_may_differ_by_one_of_the_last_digit() {
+    assert!(same("| a | 1.25 |", "| a | 1.26 |").is_ok() && same("a (−0.3)", "a (−0.2)").is_ok());
+    assert!(same("| a | 1.25 |", "| a | 1.27 |").is_err() && same("| a |", "| b |").is_err());
+    assert!(same("0.1", "0.10").is_err() && same("a\nb", "a").is_err());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::args::AccuracyArgs;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
-use ca_lab::accuracy::{self, AccuracyOptions, Measured, MethodRow, Origin};
+use ca_accuracy::{AccuracyOptions, Measured, MethodRow, Origin};
 use ca_report::{Block, Report, Section};
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
@@ -17,7 +17,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         outputs::apart(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
     }
     let loaded = load::load(&args.source)?;
-    let probes = if args.probe.is_empty() { accuracy::heard(&loaded.model) } else { args.probe.clone() };
+    let probes = if args.probe.is_empty() { ca_accuracy::heard(&loaded.model) } else { args.probe.clone() };
     if probes.is_empty() {
         let what = format!("`{}` has no output to compare", loaded.name);
         return Err(Failure::Failed(format!("{what}; name what to listen to by `--probe`")));
@@ -37,7 +37,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         remedy: "play longer with `--seconds`, or listen elsewhere with `--probe`",
         progress,
     };
-    let found = accuracy::measured(&loaded, &mut ask);
+    let found = ca_accuracy::measured(&loaded, &mut ask);
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }

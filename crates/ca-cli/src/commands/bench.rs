@@ -1,13 +1,13 @@
 //! `ca bench`: how many modules of each kind play in real time on this machine.
 //!
 //! Decides to print what was measured here beside what the first paper measured on its DSP, and nothing of other machines:
-//! a table of those would be believed for this one. What is measured, and how, is in `ca-lab`.
+//! a table of those would be believed for this one. `ca-accuracy` measures.
 
 use crate::args::BenchArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page as pages, term};
-use ca_lab::bench::page::{self, Measured, instrument, row, without};
-use ca_lab::bench::{self, NETWORKS, Network, PAPER, RATES, SIZES, Size};
+use ca_accuracy::bench::page::{self, Measured, instrument, row, without};
+use ca_accuracy::bench::{self, NETWORKS, Network, PAPER, RATES, SIZES, Size};
 use ca_model::quantity::short;
 use ca_model::suggest::nearest;
 use serde_json::{Value as Json, json};
@@ -81,7 +81,7 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
 fn text(m: &Measured) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let [a, b] = RATES.map(|r| format!("{} kHz", r / 1e3));
-    writeln!(out, "Modules in real time on one core of {}:\n", ca_lab::timing::machine())?;
+    writeln!(out, "Modules in real time on one core of {}:\n", ca_accuracy::timing::machine())?;
     writeln!(out, "  {:<12} {a:>10} {b:>10} {:>12}   made of", "network", "ns/module")?;
     for f in &m.fits {
         let [name, a, b, ns] = row(f);
@@ -135,9 +135,9 @@ fn value(m: &Measured) -> Json {
             .collect();
         json!({"instrument": i.name, "in_real_time": at})
     });
-    let caches = ca_lab::timing::caches().into_iter().map(|(name, bytes)| json!({"name": name, "bytes": bytes}));
+    let caches = ca_accuracy::timing::caches().into_iter().map(|(name, bytes)| json!({"name": name, "bytes": bytes}));
     json!({
-        "machine": ca_lab::timing::machine(),
+        "machine": ca_accuracy::timing::machine(),
         "networks": fits.collect::<Vec<_>>(),
         "paper": PAPER.map(|(engine, modules)| json!({"engine": engine, "rate": 44_100.0, "modules": modules})),
         "instruments": instruments.collect::<Vec<_>>(),

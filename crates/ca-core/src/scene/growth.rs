@@ -1,7 +1,7 @@
 //! Measured growth of energy at explicit contacts.
 //!
 //! An explicit contact makes or takes energy at each blow, depending on the phase (docs/numerics.md §3.2), so no stiffness is
-//! without growth. This module holds how often energy grew, measured by `benches/src/growth.rs` and compared by a test: a ball
+//! without growth. This module holds how often energy grew, measured by `tests/suite/compiler/growth.rs`: a ball
 //! between two walls, without losses, its stiffness drawn up to a factor of √2 around each value, place and speed drawn too.
 
 /// Starts that were drawn of each stiffness.

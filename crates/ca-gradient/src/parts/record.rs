@@ -95,6 +95,7 @@ impl Record {
         (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)
     }
 
+    /// No `ca_io::player::Player`: numbers are kept between the passes of a tick.
     /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs). Each tick is heard by `hears`, if outputs are played.
     pub fn play(
         &mut self,

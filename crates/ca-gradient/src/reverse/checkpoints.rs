@@ -128,8 +128,9 @@ impl Kept {
                 }
             }
         }
-        kept.coef = same.then_some(p.state.coef);
-        if p.diverged { Err(diverged()) } else { Ok(kept) }
+        let silent = p.diverged;
+        kept.coef = same.then_some(p.player.state.coef);
+        if silent { Err(diverged()) } else { Ok(kept) }
     }
 
     /// Calls with the number of each stretch and the state it begins with, from the last to the first, until one is an error.

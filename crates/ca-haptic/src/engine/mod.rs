@@ -319,7 +319,8 @@ impl Engine {
         }
     }
 
-    /// One tick up to its outputs.
+    /// One tick up to its outputs. No `ca_io::player::Player`: hands and pointers move between its halves, the limit of positions is an
+    /// option, and time goes on after a divergence so that frames keep their numbers.
     fn sample(&mut self) {
         let n = self.scene.channels;
         if self.diverged {

@@ -226,29 +226,18 @@ class Scene(Measured, Derivatives):
         core = self._listening(probes, energy)
         raw = core.render(seconds, made(self._compiled, gesture), is_double(dtype), progress)
         about = core.about()
-        failed, message = None, ""
-        if raw["broke"] is not None:
-            time, module, message = raw["broke"]
-            failed = (time, module)
-            if on_unstable == "raise":
-                raise UnstableError(message, time, module)
-        status: Status = "ok"
-        if failed is not None:
-            status = "unstable"
-        elif raw["clipped"] or raw["non_finite"]:
-            status = "clipped"
+        status: Status = raw["status"]
+        message, failed = raw["message"], raw["failed"]
+        if failed is not None and on_unstable == "raise":
+            raise UnstableError(message, *failed)
+        if status == "clipped":
+            # a render also has the gain that fits
             reported = []
             if raw["clipped"]:
                 reported.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
             if raw["non_finite"]:
                 reported.append(f"{raw['non_finite']} samples had no value and became silence")
             message = "; ".join(reported)
-        elif raw["refused"]:
-            status, message = "refused", f"{raw['refused']} inputs had no value"
-        elif raw["mute"]:
-            status, message = "mute", raw["mute"]
-        elif raw.get("gained"):
-            status, message = "gained", raw["gained"]
         places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
             audio=raw["audio"],

@@ -138,10 +138,7 @@ class Sim:
     @property
     def status(self) -> str:
         """``ok``, ``unstable``, ``clipped`` or ``refused``, of all that was played."""
-        clipped, non_finite, refused = self._core.counts
-        if self._core.diverged:
-            return "unstable"
-        return "clipped" if clipped or non_finite else "refused" if refused else "ok"
+        return self._core.status
 
     @property
     def energy(self) -> Energy | None:

@@ -16,7 +16,7 @@ use crate::term;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
-use ca_lab::demands::DeviceDemands;
+use ca_take::demands::DeviceDemands;
 use ca_lab::facts::border::{crossing, rates};
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
 use ca_lab::facts::{codes, inputs};
@@ -60,7 +60,7 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
     *files = ca_lab::load::part_files(&loaded.model);
     let options = Options { rate: args.source.rate, exact: args.exact, ..Options::default() };
     let (scene, diags) = load::compiled(&loaded, &options);
-    let rows = scene.as_ref().filter(|_| args.schedule).map(ca_lab::schedule::measure).transpose()?;
+    let rows = scene.as_ref().filter(|_| args.schedule).map(ca_accuracy::schedule::measure).transpose()?;
     let quiet = args.json || args.watch;
     let levels = scene.as_ref().filter(|_| args.levels).map(|s| levels::levels(s, !quiet)).transpose()?;
     let asked = scene.as_ref().zip(profile.as_ref()).map(|(s, p)| DeviceDemands::new(s, p));

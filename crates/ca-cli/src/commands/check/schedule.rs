@@ -1,8 +1,8 @@
 //! The passes of one tick with the cost of each, printed.
 
 use crate::outcome::Failure;
+use ca_accuracy::schedule::{Schedule, absent, form, pairs};
 use ca_core::Scene;
-use ca_lab::schedule::{Schedule, absent, form, pairs};
 use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;

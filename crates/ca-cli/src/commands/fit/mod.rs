@@ -1,6 +1,6 @@
 //! `ca fit`: numbers of a model found by a recorded sound.
 //!
-//! Decides only what is said and written; how a fit is done stands in `ca_lab::fit`.
+//! This file says and writes; `ca_fit` fits.
 
 mod write;
 
@@ -10,8 +10,8 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
 use ca_compile::Options;
+use ca_fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
 use ca_io::recording::Recording;
-use ca_lab::fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
 use serde_json::{Value as Json, json};

@@ -5,7 +5,7 @@
 use crate::commands::new;
 use crate::outcome::Failure;
 use ca_edit::{Document, Place, number};
-use ca_lab::fit::Fit;
+use ca_fit::Fit;
 use ca_model::Model;
 use std::path::Path;
 

@@ -25,8 +25,8 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_io::sound::Format;
-use ca_lab::gesture;
 use ca_lab::play::{Divergence, Length};
+use ca_take::gesture;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 

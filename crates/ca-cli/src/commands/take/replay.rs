@@ -9,7 +9,7 @@ use crate::{load, outputs, term};
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
-use ca_lab::account::Account;
+use ca_take::account::Account;
 use ca_lab::catalog;
 use ca_model::plain::plain;
 use ca_model::quantity::short;

@@ -8,7 +8,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
 use ca_core::scene::certificate::Level;
-use ca_lab::tune::{PitchTarget, Tuned, tune};
+use ca_fit::tune::{PitchTarget, Tuned, tune};
 use ca_model::{Model, Value, quantity};
 use pitch::pitch;
 use serde_json::{Value as Json, json};

@@ -1,7 +1,7 @@
 //! `ca sweep`: the same runs for anybody, whole chunks, and bad runs as rows.
 
 use crate::desk::{Desk, blocks, from_root};
-use ca_lab::sweep::{Column, RunTable};
+use ca_sweep::{Column, RunTable};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

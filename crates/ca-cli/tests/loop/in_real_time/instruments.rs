@@ -7,9 +7,12 @@
 
 use crate::long_form::long_form;
 use crate::stage::{Stage, patient};
-use ca_benches::instruments::{Instrument, all, hand};
+use ca_benches::instruments::{Instrument, Stroke, all};
 use ca_compile::Options;
+use ca_core::Scene;
 use ca_haptic::profile::SHIPPED;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
@@ -96,4 +99,36 @@ fn every_instrument_with_ports_of_a_device_is_played_by_one() {
     assert!(found.len() >= least, "only {} instruments have ports of a device", found.len());
     let wrong: Vec<String> = found.into_iter().filter(|w| !w.is_empty()).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The first device of a scene and its gesture, as a CSV file with a column for each degree of freedom \[m\]; `None` where the
+/// scene has no port of a device. A degree of freedom without a gesture stays where its port begins.
+fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
+    let device = scene.inputs.iter().find_map(|i| i.device.as_ref())?.0.as_str();
+    let mut ways: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();
+    for i in &scene.inputs {
+        let Some((name, dof)) = &i.device else { continue };
+        if name != device {
+            continue;
+        }
+        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.gestures.iter().find(|g| g.0 == i.name)) {
+            (Some((_, own)), _) => own.to_vec(),
+            (None, Some((_, points))) => points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect(),
+            (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
+        };
+        ways.insert(*dof, way);
+    }
+    let mut csv = String::from("time");
+    let last = *ways.keys().next_back()?;
+    (0..=last).for_each(|k| _ = write!(csv, ",dof{k}"));
+    csv.push('\n');
+    let mut rows: Vec<(f64, u32, f64)> = (0..=last).map(|k| (0.0, k, ways.get(&k).map_or(0.0, |w| w[0][1]))).collect();
+    rows.extend(ways.iter().flat_map(|(k, w)| w.iter().map(|p| (p[0], *k, p[1]))));
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (t, k, x) in rows {
+        _ = write!(csv, "{t}");
+        (0..=last).for_each(|c| _ = if c == k { write!(csv, ",{x}") } else { write!(csv, ",") });
+        csv.push('\n');
+    }
+    Some((device, csv))
 }

@@ -1,0 +1,340 @@
+//! Error against run time of a model, over methods and rates.
+//!
+//! Decides to compare what the outputs listen to, not what they give: gains, high and low passes are the same for all
+//! ways, and those that hang on the rate would be counted as errors of the scheme.
+#![forbid(unsafe_code)]
+
+pub mod bench;
+mod methods;
+mod play;
+mod reference;
+pub mod schedule;
+mod score;
+mod single;
+#[cfg(test)]
+mod tests;
+pub mod timing;
+
+pub use single::bound as single;
+
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_core::scene::certificate::Level;
+use ca_core::state::Balance;
+use ca_lab::Failure;
+use ca_lab::load::{self, Loaded};
+use ca_model::Model;
+use ca_model::Value;
+use ca_report::{Axis, Block, Plot, Point, Section, Table};
+use methods::{AS_WRITTEN, Candidate, candidates};
+pub use reference::Origin;
+use reference::Reference;
+use score::Score;
+
+/// Candidates are timed in turn, so often, and each time as long as this \[ns\] or once; the quickest time of each counts: the
+/// others were disturbed.
+const ROUNDS: usize = 4;
+const TURN: f64 = 1e7;
+
+/// The highest rate that a model is compiled for \[Hz\].
+const HIGHEST: f64 = 1e7;
+
+/// Samples that are kept of each candidate, of all probes together; beyond it a model is played less long.
+const MOST: f64 = 5e7;
+
+/// What a section of a page is called.
+pub const TITLE: &str = "Error against run time";
+
+/// As long as a model is played if nothing is said \[s\].
+const LONGEST: f64 = 1.0;
+
+/// A candidate, measured.
+pub struct MethodRow {
+    /// its name
+    pub method: &'static str,
+    /// multiple of the rate
+    pub times: u32,
+    /// how far it is from the reference
+    pub score: Score,
+    /// time of one sample of the model's own rate \[ns\]
+    pub ns: f64,
+    /// what is certified of it
+    pub level: Level,
+    /// the energy ledger at its end, where there is one
+    balance: Option<Balance>,
+    /// nothing is both more exact and quicker
+    pub front: bool,
+}
+
+impl MethodRow {
+    /// As people call it.
+    pub fn name(&self) -> String {
+        if self.times == 1 { self.method.into() } else { format!("{} x{}", self.method, self.times) }
+    }
+
+    /// Energy that the scheme makes, relative to what there was.
+    pub fn energy_error(&self) -> Option<f64> {
+        self.balance.filter(|b| b.peak > 0.0).map(|b| (b.scheme_error.abs() + b.residual.abs()) / b.peak)
+    }
+}
+
+/// What is to be measured.
+pub struct AccuracyOptions<'a> {
+    /// the sound rate \[Hz\]; that of the model if none
+    pub rate: Option<f64>,
+    /// what is listened to
+    pub probes: &'a [String],
+    /// how long \[s\]; that of the model up to one second if none
+    pub seconds: Option<f64>,
+    /// multiples of the rate
+    pub times: &'a [u32],
+    /// the multiple of the reference
+    pub reference: u32,
+    /// what to do where nothing moves
+    pub remedy: &'static str,
+    /// called now and then with how many steps of how many are done; false where no more is wanted
+    pub progress: &'a mut dyn FnMut(u64, u64) -> bool,
+}
+
+/// All that was measured.
+pub struct Measured {
+    /// a candidate each
+    pub rows: Vec<MethodRow>,
+    /// what they are held against
+    pub reference: Reference,
+    /// the sound rate \[Hz\]
+    pub rate: f64,
+    /// samples that were played
+    pub frames: usize,
+    /// methods that the model cannot take, and why
+    pub refused: Vec<(&'static str, String)>,
+    /// what the compiler warns of with a method, and not without it
+    pub warned: Vec<(&'static str, String)>,
+}
+
+/// Measures a model.
+///
+/// # Errors
+/// Where it does not compile, where nothing moves, and where no more is wanted.
+pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, Failure> {
+    let probes = ask.probes.to_vec();
+    let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
+    let rate = scene.rate;
+    let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
+    let samples = seconds * rate;
+    if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
+        let most = MOST / (rate * probes.len() as f64);
+        return Err(Failure::Usage(format!(
+            "{seconds} s cannot be compared; play more than nothing, and at most {most:.0} s"
+        )));
+    }
+    let frames = samples.round().max(16.0) as usize;
+    let finest = ask.times.iter().copied().max().map_or(ask.reference, |t| t.max(ask.reference));
+    if f64::from(finest) * rate > HIGHEST {
+        let most = (HIGHEST / rate).floor();
+        let what = format!("{finest} times {rate} Hz is beyond {HIGHEST:e} Hz");
+        return Err(Failure::Usage(format!("{what}; ask for at most {most} times the rate")));
+    }
+    let mut times = ask.times.to_vec();
+    times.sort_unstable();
+    times.dedup();
+    let candidates = candidates(loaded, &probes, rate, &times);
+    let mut steps = Steps { done: 0, of: (candidates.all.len() * ROUNDS + 1) as u64, tell: &mut *ask.progress };
+    steps.look()?;
+    let reference = reference::reference(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
+    steps.step()?;
+    if reference.columns.iter().flatten().all(|v| *v == 0.0) {
+        let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
+        return Err(Failure::Failed(format!("{what}; {}", ask.remedy)));
+    }
+    let mut rows = Vec::with_capacity(candidates.all.len());
+    for candidate in &candidates.all {
+        rows.push(row(candidate, &reference, frames, rate, &mut steps)?);
+        steps.step()?;
+    }
+    for _ in 1..ROUNDS {
+        for (candidate, row) in candidates.all.iter().zip(&mut rows) {
+            row.ns = row.ns.min(turn(candidate, frames, &mut steps)?);
+            steps.step()?;
+        }
+    }
+    mark(&mut rows);
+    Ok(Measured { rows, reference, rate, frames, refused: candidates.refused, warned: candidates.warned })
+}
+
+/// The outputs of a model by name, one for each thing that is heard: as a probe, the name of an output is what it hears
+/// along its direction, before gain and filters.
+pub fn heard(model: &Model) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut known: Vec<(&str, [Option<&Value>; 2])> = Vec::new();
+    for i in model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF")) {
+        let value = |key: &str| i.args.iter().find(|e| e.key == key).map(|e| &e.value);
+        let what = (i.kind.as_str(), [value("from"), value("along")]);
+        if what.1[0].is_some() && !known.contains(&what) {
+            known.push(what);
+            all.push(i.name.clone());
+        }
+    }
+    all
+}
+
+/// Which probe each column is of: the axes of one place in space are one probe, whose error is a distance.
+fn bodies(scene: &Scene) -> Vec<usize> {
+    let place = |name: &str| match name.rsplit_once('.') {
+        Some((place, "x" | "y" | "z")) => place.to_owned(),
+        _ => name.to_owned(),
+    };
+    let mut of: Vec<usize> = Vec::with_capacity(scene.probe_names.len());
+    let mut last = None;
+    for (name, asked) in scene.probe_names.iter().zip(&scene.probe_of) {
+        let here = Some((place(name), *asked));
+        let next = of.last().map_or(0, |n| n + usize::from(here != last));
+        of.push(next);
+        last = here;
+    }
+    of
+}
+
+/// How far it is, and whether anybody still wants it.
+struct Steps<'a> {
+    done: u64,
+    of: u64,
+    tell: &'a mut dyn FnMut(u64, u64) -> bool,
+}
+
+impl Steps<'_> {
+    /// One more is done.
+    fn step(&mut self) -> Result<(), Failure> {
+        self.done += 1;
+        self.look()
+    }
+
+    /// Whether to go on.
+    fn look(&mut self) -> Result<(), Failure> {
+        if (self.tell)(self.done, self.of) { Ok(()) } else { Err(Failure::Stopped) }
+    }
+}
+
+/// Plays a candidate and scores it.
+fn row(
+    candidate: &Candidate,
+    reference: &Reference,
+    frames: usize,
+    rate: f64,
+    steps: &mut Steps,
+) -> Result<MethodRow, Failure> {
+    let (columns, ns) = candidate.play(frames, steps)?;
+    let balance = candidate.audited.as_ref().and_then(|s| play::ledger(s, frames as u64 * u64::from(candidate.times)));
+    Ok(MethodRow {
+        method: candidate.method,
+        times: candidate.times,
+        score: score::score(&columns, &reference.columns, &reference.of, rate),
+        ns,
+        level: candidate.scene.certificate.level,
+        balance,
+        front: false,
+    })
+}
+
+/// The quickest time of a sample in one turn of a way \[ns\].
+fn turn(candidate: &Candidate, frames: usize, steps: &mut Steps) -> Result<f64, Failure> {
+    let (mut best, mut whole) = (f64::INFINITY, 0.0);
+    while whole < TURN {
+        let ns = candidate.play(frames, steps)?.1;
+        (best, whole) = (best.min(ns), whole + ns * frames as f64);
+    }
+    Ok(best)
+}
+
+/// Marks what nothing beats in both error and time.
+fn mark(rows: &mut [MethodRow]) {
+    for i in 0..rows.len() {
+        let (e, t) = (rows[i].score.error, rows[i].ns);
+        let beaten = rows
+            .iter()
+            .enumerate()
+            .any(|(j, r)| j != i && r.score.error <= e && r.ns <= t && (r.score.error < e || r.ns < t));
+        rows[i].front = e.is_finite() && !beaten;
+    }
+}
+
+/// A number in a table.
+fn small(v: f64) -> String {
+    if v.is_finite() { format!("{v:.1e}") } else { "-".into() }
+}
+
+impl Measured {
+    /// The cheapest candidate with at most this error; among those that are not known to be unstable. None where the reference
+    /// is not known as well as that: errors below it are not distinguished.
+    pub fn cheapest(&self, error: f64) -> Option<&MethodRow> {
+        if self.reference.known > error {
+            return None;
+        }
+        let good = self.rows.iter().filter(|r| r.score.error <= error && r.level != Level::Unstable);
+        good.min_by(|a, b| a.ns.total_cmp(&b.ns))
+    }
+
+    /// In words, what all methods are compared with.
+    pub fn origin(&self) -> String {
+        let (known, method) = (self.reference.known, self.reference.method);
+        let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
+        match self.reference.origin {
+            Origin::Modes => format!("the closed form of its modes, known to {known:.0e}"),
+            Origin::Rate(n, p) => {
+                format!("the model{by} at {n} times the rate, converging with order {p:.1}, known to {known:.0e}")
+            }
+            Origin::Open(n) => {
+                format!("the model{by} at {n} times the rate, which does not converge evenly: known to {known:.0e}")
+            }
+        }
+    }
+
+    /// As long as it was played \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.frames as f64 / self.rate
+    }
+
+    /// A row of the table.
+    pub fn cells(&self, r: &MethodRow) -> Vec<String> {
+        let under = r.score.error < self.reference.known;
+        vec![
+            if r.front { format!("{} *", r.name()) } else { r.name() },
+            if under { format!("<{}", small(self.reference.known)) } else { small(r.score.error) },
+            small(r.score.spectrum),
+            r.score.cents.filter(|c| c.is_finite()).map_or("-".into(), |c| format!("{c:+.3}")),
+            if r.score.error.is_finite() { format!("{:+.3}", r.score.decay) } else { "-".into() },
+            r.energy_error().map_or("-".into(), small),
+            format!("{:.0}", r.ns),
+            format!("{:.2}", 1e9 / (r.ns * self.rate)),
+            r.level.to_string(),
+        ]
+    }
+
+    /// What a row says.
+    pub const HEAD: [&'static str; 9] =
+        ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns/sample", "x real time", "stability"];
+
+    /// The plot, the table, and what is to be said of methods.
+    pub fn section(&self) -> Section {
+        let points = self.rows.iter().map(|r| Point {
+            name: r.name(),
+            x: r.ns,
+            y: r.score.error.max(self.reference.known),
+            front: r.front,
+        });
+        let (x, y) = (Axis::log("time of a sample", "ns"), Axis::log("error", ""));
+        let plot = Plot::scatter(TITLE, x, y, "not beaten", "others", &points.collect::<Vec<_>>());
+        let table = Table::new(&Self::HEAD, self.rows.iter().map(|r| self.cells(r)).collect());
+        let how = format!("{:.3} s at {} Hz, against {}.", self.seconds(), self.rate, self.origin());
+        let mut blocks = vec![Block::Text(how), Block::Plot(plot), Block::Table(table)];
+        let reported = |list: &[(&'static str, String)]| -> Vec<Vec<String>> {
+            list.iter().map(|(m, what)| vec![(*m).to_owned(), what.clone()]).collect()
+        };
+        for (head, list) in [("why not", &self.refused), ("what it leaves out", &self.warned)] {
+            if !list.is_empty() {
+                blocks.push(Block::Table(Table::new(&["method", head], reported(list))));
+            }
+        }
+        Section::new(TITLE, blocks)
+    }
+}

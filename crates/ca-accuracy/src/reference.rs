@@ -1,0 +1,190 @@
+//! What a model should do: by the closed form of its modes, or by itself at a far higher rate.
+//!
+//! Decides for the closed form only where it is all there is: everything linear on lines, damping that couples no modes,
+//! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
+//! converges; if it does so as its scheme can ([`highest`]), the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
+//! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is reported: its
+//! reference is then the finest run, known as well as the last two agree. A method of higher order takes the place of the
+//! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
+
+use super::Steps;
+use super::methods::{AS_WRITTEN, with_method};
+use super::play::{Columns, columns};
+use super::score::apart;
+use ca_compile::Options;
+use ca_compile::analysis::{Modes, Network, modes};
+use ca_core::Scene;
+use ca_lab::Failure;
+use ca_lab::catalog;
+use ca_lab::load::{self, Loaded};
+use ca_model::{Entry, Value};
+
+/// Where a reference comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Origin {
+    /// the modes, in closed form
+    Modes,
+    /// the model at this multiple of the rate, and the order at which it converges
+    Rate(u32, f64),
+    /// the model at this multiple of the rate, which does not converge as a scheme should
+    Open(u32),
+}
+
+/// A reference.
+pub struct Reference {
+    /// what the probes should read, at the samples of the model's own rate
+    pub columns: Columns,
+    /// of which probe each of them is
+    pub of: Vec<usize>,
+    /// from where
+    pub origin: Origin,
+    /// by which method, where it is the model at a higher rate
+    pub method: &'static str,
+    /// how well it is known, relative
+    pub known: f64,
+}
+
+/// Damping below this couples no modes.
+const COUPLED: f64 = 1e-9;
+
+/// Links whose force has a bend or a jump.
+const BENDS: [&str; 6] = ["BUT", "HRZ", "PLK", "ATT", "LNL", "BOW"];
+
+/// Methods that leave nothing out and converge faster than others do.
+const FINE: [&str; 3] = ["newton", "centred", "pefrl"];
+
+/// The best there is for so many samples.
+pub fn reference(
+    loaded: &Loaded,
+    probes: &[String],
+    plain: &Scene,
+    (frames, times): (usize, u32),
+    steps: &mut Steps,
+) -> Result<Reference, Failure> {
+    let of = &super::bodies(plain)[..];
+    if let Some(columns) = closed(loaded, probes, plain, frames) {
+        return Ok(Reference { columns, of: of.to_vec(), origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
+    }
+    let mut by = |loaded: &Loaded, method, times| {
+        carried(loaded, method, (probes, of), plain.rate, (frames, times), &mut *steps)
+    };
+    let few = times / 8;
+    let mut best: Option<(Loaded, &'static str, f64)> = None;
+    if few >= 4 {
+        let pilot = by(loaded, AS_WRITTEN, few)?;
+        for method in FINE {
+            let Some(variant) = with_method(loaded, method) else { continue };
+            let options = Options { rate: Some(plain.rate), probes: probes.to_vec(), ..Options::default() };
+            if load::compiled(&variant, &options).0.is_none() {
+                continue;
+            }
+            let found = by(&variant, method, few)?;
+            let agree = apart(&found.columns, &pilot.columns, of) <= 2.0 * (found.known + pilot.known);
+            if agree && found.known < 0.5 * best.as_ref().map_or(pilot.known, |b| b.2) {
+                best = Some((variant, method, found.known));
+            }
+        }
+    }
+    let (model, method) = best.as_ref().map_or((loaded, AS_WRITTEN), |(variant, method, _)| (variant, method));
+    by(model, method, times)
+}
+
+/// A model at `times` its rate, carried on from there to rate infinity where it converges as a scheme should.
+fn carried(
+    loaded: &Loaded,
+    method: &'static str,
+    (probes, of): (&[String], &[usize]),
+    rate: f64,
+    (frames, times): (usize, u32),
+    steps: &mut Steps,
+) -> Result<Reference, Failure> {
+    let mut at = |times: u32| -> Result<Columns, Failure> {
+        let rate = Some(rate * f64::from(times));
+        let options = Options { rate, probes: probes.to_vec(), ..Options::default() };
+        Ok(columns(&loaded.compile(&options)?.scene, frames, times, steps)?.0)
+    };
+    let (coarse, middle, fine) = (at(times / 4)?, at(times / 2)?, at(times)?);
+    let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));
+    let order = (first / last).log2();
+    if !(0.7..=highest(loaded) + 0.5).contains(&order) {
+        return Ok(Reference { columns: fine, of: of.to_vec(), origin: Origin::Open(times), method, known: last });
+    }
+    let step = 1.0 / (order.exp2() - 1.0);
+    let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
+    let columns = fine.iter().zip(&middle).map(carry).collect();
+    Ok(Reference { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
+}
+
+/// The largest order of a model's method. A larger measured order is chance: contacts close at other phases of a tick at each rate.
+fn highest(loaded: &Loaded) -> f64 {
+    let model = &loaded.model;
+    // by no method is a force with a bend of fourth order
+    if model.items.iter().any(|i| BENDS.contains(&i.kind.as_str())) {
+        return 2.0;
+    }
+    let number = |v: &Value| match v {
+        Value::Num(v) => Some(*v),
+        Value::Text(t) => t.parse().ok(),
+        _ => None,
+    };
+    let fourth = |e: &Entry| match e.key.as_str() {
+        "method" => e.value == Value::Text("pefrl".into()),
+        "theta" => number(&e.value).is_some_and(|v| (v - 1.0 / 12.0).abs() < 1e-3),
+        _ => false,
+    };
+    let mut all = model.groups.iter().flat_map(|g| &g.props).chain(model.items.iter().flat_map(|i| &i.args));
+    if model.meta.iter().any(fourth) || all.any(fourth) { 4.0 } else { 2.0 }
+}
+
+/// The motion of the modes at the probes; `None` where they are not all there is.
+fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> Option<Columns> {
+    let still = scene.inputs.is_empty() && scene.gestures.is_empty() && scene.layout.weighed.is_empty();
+    let flat = scene.symbols.iter().all(|s| s.axes == 1);
+    let n = scene.n_out - scene.channels;
+    if !still || !flat || n == 0 {
+        return None;
+    }
+    let options = Options {
+        rate: Some(scene.rate),
+        probes: probes.to_vec(),
+        clouds: loaded.clouds.clone(),
+        ..Options::default()
+    };
+    // what is given by a pitch has that pitch, which the stiffness that a scheme needs for it would miss
+    let mut model = loaded.model.clone();
+    model.set("model.method", "modal");
+    for props in std::iter::once(&mut model.meta).chain(model.groups.iter_mut().map(|g| &mut g.props)) {
+        props.retain(|e| e.key != "theta" && (e.key != "method" || e.value == Value::Text("modal".into())));
+    }
+    let network = ca_compile::linear(&model, &catalog(), &options).ok()?;
+    let whole =
+        network.left_out.is_empty() && network.force_outputs.is_empty() && network.linear.moving_links.is_empty();
+    if !whole || network.ports.len() < n {
+        return None;
+    }
+    let found = modes::modes(&network)?;
+    if found.list.iter().any(|m| m.coupled > COUPLED) {
+        return None;
+    }
+    let ports = &network.ports[network.ports.len() - n..];
+    let mut columns = vec![vec![0.0; frames]; n];
+    for (j, (x, v)) in start(&network, &found).into_iter().enumerate() {
+        let mode = &found.list[j];
+        let shares: Vec<f64> = ports.iter().map(|p| mode.at(&p.at)).collect();
+        for t in 0..frames {
+            let q = mode.free(x, v, t as f64 * f64::from(scene.oversample()));
+            columns.iter_mut().zip(&shares).for_each(|(c, s)| c[t] += s * q);
+        }
+    }
+    Some(columns)
+}
+
+/// Displacement and motion per tick of each mode at load.
+fn start(network: &Network, found: &Modes) -> Vec<(f64, f64)> {
+    let tick_dt = network.tick_dt;
+    let along = |of: &[f64], shape: &[f64]| -> f64 {
+        let places = network.linear.dofs.iter();
+        places.zip(shape).zip(of).map(|((p, u), x)| u * tick_dt * tick_dt / p.c * x).sum()
+    };
+    found.list.iter().map(|m| (along(&network.x, &m.shape), tick_dt * along(&network.v, &m.shape))).collect()
+}

@@ -1,0 +1,176 @@
+//! Schedule: the passes of one tick, and the cost of each.
+//!
+//! Each pass is measured, and compared with the prediction of `ca_compile::cost`: its instructions, times the time of an
+//! instruction on this machine. A pass above its prediction waits for memory or another pass; a pass below it has wider vectors than
+//! the table. A pass runs over and over on a copy of a state in motion, which is renewed before every batch so that nothing
+//! decays to zero or grows. The fastest batch counts, since other programs disturb the others. Passes warm the caches for each
+//! other, so the whole tick is measured too, and the sum of the passes may differ from it.
+
+use crate::timing::Timing;
+use crate::bench;
+use ca_lab::Failure;
+use ca_compile::cost;
+use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
+use ca_core::{Scene, State, tick};
+use ca_io::perform::Performance;
+use std::time::{Duration, Instant};
+
+/// Time of play that brings the state into motion \[s\].
+const WARM: f64 = 0.2;
+/// A large scene is played no longer than this for it.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// The pass of groups at the gesture rate, and a tick at which a frame begins.
+const GROUP: &str = "gesture group";
+const FIRST: u64 = 1;
+
+/// One pass.
+#[derive(Clone)]
+pub struct PassRow {
+    /// reads, forces, writes or moves
+    pub stage: &'static str,
+    /// the pass
+    pub op: Op,
+    /// its modules
+    pub modules: usize,
+    /// time of a tick \[ns\]
+    pub ns: f64,
+    /// instructions of a tick, if the table of costs has the pass
+    pub instructions: Option<f64>,
+}
+
+/// All passes, and the whole tick.
+#[derive(Clone)]
+pub struct Schedule {
+    /// in the order of the tick
+    pub rows: Vec<PassRow>,
+    /// time of the whole tick \[ns\]
+    pub tick: f64,
+    /// instructions of a tick, without passes that the table of costs does not have
+    pub instructions: f64,
+    /// time of an instruction on this machine \[ns\]
+    pub ns_per_instruction: f64,
+    /// groups at the gesture rate: their step of a frame \[ns\]
+    pub step: Option<f64>,
+}
+
+/// Measures every pass of a tick, and the time of an instruction.
+///
+/// # Errors
+/// If the scene by which an instruction is timed does not compile.
+pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
+    let mut state = scene.state();
+    if let Ok(mut p) = Performance::new(scene, None) {
+        let end = Instant::now() + PATIENCE;
+        for n in 0..(WARM * scene.rate) as u64 {
+            if n % 16 == 0 && Instant::now() > end {
+                break;
+            }
+            p.tick();
+        }
+        if !p.diverged {
+            state = p.player.state;
+        }
+    }
+    let stages =
+        [("reads", &scene.reads[..]), ("forces", scene.summed()), ("writes", &scene.writes), ("moves", &scene.moves)];
+    let mut rows: Vec<PassRow> = stages
+        .into_iter()
+        .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
+        .map(|(stage, op)| {
+            let ns = fastest(&state, |s| one(&op, scene, s, state.tick));
+            PassRow { stage, op, modules: scene.modules(&op), ns, instructions: cost::of_pass(scene, &op) }
+        })
+        .collect();
+    // what is done once a frame is not what most ticks do
+    let frame = f64::from(scene.frame);
+    let step = rows.iter_mut().find(|r| r.op.name == GROUP).map(|r| {
+        let first = fastest(&state, |s| one(&r.op, scene, s, FIRST));
+        let others = fastest(&state, |s| one(&r.op, scene, s, FIRST + 1));
+        r.ns = (first + (frame - 1.0) * others) / frame;
+        first
+    });
+    let tick = fastest(&state, |s| tick(scene, s));
+    let ns_per_instruction = bench::ns_per_instruction()?;
+    Ok(Schedule { rows, tick, instructions: cost::of_tick(scene), ns_per_instruction, step })
+}
+
+/// One pass, as if it were always the same tick: some count ticks.
+fn one(op: &Op, scene: &Scene, s: &mut State, tick: u64) {
+    s.tick = tick;
+    (op.kernel)(op, scene, s);
+    s.tick = tick;
+}
+
+/// Fastest time of one call \[ns\].
+fn fastest(state: &State, run: impl FnMut(&mut State)) -> f64 {
+    Timing::default().fastest(&mut state.clone(), |s| s.clone_from(state), run)
+}
+
+/// The layout of the links of a pass; empty for a pass without links.
+pub fn form(op: &Op) -> String {
+    if op.law.is_none() {
+        return String::new();
+    }
+    let measure = |g: MeasureKind| match g {
+        MeasureKind::Line => "line",
+        MeasureKind::Along => "direction",
+        MeasureKind::Radial => "distance",
+    };
+    if op.form.set {
+        return if op.form.tap { "all pairs, neighbour list + tap".into() } else { "all pairs, neighbour list".into() };
+    }
+    let mut words = vec![match (op.form.measure, op.form.onto, op.form.stride) {
+        (a, Some(b), _) => format!("{} onto {}", measure(a), measure(b)),
+        (MeasureKind::Line, None, 0) if op.form.hub != Hub::None => "fan".to_string(),
+        (MeasureKind::Line, None, 0) => "gather".to_string(),
+        (MeasureKind::Line, None, 1) => "run".to_string(),
+        (MeasureKind::Line, None, n) => format!("run, stride {n}"),
+        (g, None, _) => measure(g).to_string(),
+    }];
+    let offset = op.form.offset && op.form.measure == MeasureKind::Line;
+    words.extend(offset.then(|| "offset".to_string()));
+    words.extend(op.form.tap.then(|| "tap".to_string()));
+    words.extend(op.form.folded.then(|| "folded".to_string()));
+    if let Band::Along(width) = op.form.band {
+        words.push(format!("across, {width} apart"));
+    }
+    words.extend((op.form.integrate != Integrate::No).then(|| "integration".to_string()));
+    words.join(" + ")
+}
+
+/// Number of pairs, for a pass that joins all pairs of two sets as one module.
+pub fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
+    op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
+}
+
+/// Passes that a scene may have, and this one does not need.
+pub fn absent(scene: &Scene) -> Vec<&'static str> {
+    // `high pass of motion` is a high pass too
+    let is =
+        |own: &str, name: &str| own.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(" of "));
+    let any = |name: &str| {
+        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| is(o.name, name))
+    };
+    let space = scene.symbols.iter().any(|s| s.axes > 1);
+    let absent = [
+        ("ledger", "no energy ledger"),
+        ("changes", "no live parameters"),
+        ("TGR in", "no border to a device"),
+        ("ENX", "no position inputs"),
+        ("ENF", "no force inputs"),
+        ("points", "no moving points"),
+        ("waves in", "no waveguides"),
+        ("modal ports", "no modes"),
+        ("implicit", "nothing that is implicit"),
+        ("weight", "no gravity"),
+        ("outputs", "no outputs"),
+        ("high pass", "no high pass"),
+        ("low pass", "no low-pass"),
+        ("ticks between", "one tick a sample"),
+    ]
+    .into_iter()
+    .filter(|a| !any(a.0))
+    .map(|a| a.1);
+    absent.chain((!space).then_some("nothing in space")).collect()
+}

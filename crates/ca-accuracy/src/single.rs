@@ -1,0 +1,81 @@
+//! The model as written in single precision: its scene bound to `f32`.
+//!
+//! Decides to give it what a gesture gives the scene in double precision, tick by tick and written down beforehand: who
+//! moves ports and when is decided in one place, and the time measured is that of the ticks.
+
+use super::Steps;
+use super::play::{Columns, Kept, known};
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_core::numeric::Precision;
+use ca_core::scene::Unbound;
+use ca_io::perform::Performance;
+use ca_io::play::BLOCK;
+use ca_io::player::Player;
+use ca_lab::Failure;
+use ca_lab::load::Loaded;
+use ca_model::diag::Severity;
+use std::time::Instant;
+
+/// As people call it.
+pub const SINGLE: &str = "single";
+
+/// A scene that was compiled for [`Precision::Single`], bound to it.
+///
+/// # Errors
+/// [`Unbound`].
+pub fn bound(scene: &Scene) -> Result<Scene<f32>, Unbound> {
+    scene.bind(&cordis_anima::laws())
+}
+
+/// The scene in single precision, or why there is none.
+pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String> {
+    let options = Options {
+        rate: options.rate,
+        probes: options.probes.clone(),
+        precision: Precision::Single,
+        ..Options::default()
+    };
+    let scene = loaded.compile(&options).map_err(|found| {
+        let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
+        first.map(|d| d.title).unwrap_or_default()
+    })?;
+    match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
+        Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
+        None => bound(&scene).map_err(|why| why.to_string()),
+    }
+}
+
+/// As [`columns`](super::play::columns), of a scene in single precision; `double`, the same in double precision,
+/// knows what its ports are given.
+pub fn columns(
+    scene: &Scene<f32>,
+    double: &Scene,
+    (frames, times): (usize, u32),
+    steps: &mut Steps,
+) -> Result<(Columns, f64), Failure> {
+    let (n, ticks) = (scene.inputs.len(), frames as u64 * u64::from(times));
+    let mut given = vec![0.0; ticks as usize * n];
+    if n > 0 {
+        Performance::new(double, None)?.given(&mut given);
+    }
+    let mut player = Player::new(scene.state());
+    let kept = Kept { channels: scene.channels, n_out: scene.n_out, times };
+    let (mut all, mut rows) = (kept.columns(frames), Vec::new());
+    let begin = Instant::now();
+    for first in (0..ticks).step_by(BLOCK as usize) {
+        let run = BLOCK.min(ticks - first);
+        rows.clear();
+        if n == 0 {
+            player.ticks(scene, run, &mut rows);
+        }
+        for input in given[first as usize * n..][..run as usize * n].chunks_exact(n.max(1)) {
+            player.state.input.copy_from_slice(input);
+            player.tick(scene);
+            rows.extend_from_slice(&player.state.output[..scene.n_out]);
+        }
+        kept.keep(&mut all, &rows, first + run, known(&player));
+        steps.look()?;
+    }
+    Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
+}

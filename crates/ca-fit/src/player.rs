@@ -1,0 +1,126 @@
+//! Renders of the model with other values, and how many there were.
+//!
+//! Decides that every render is counted, whatever it is for: a step that is tried, a difference for a derivative, the last one
+//! that is shown. Values with which the model cannot be compiled or diverges are no failure of the fit but a step too far.
+
+use super::target::{Samples, mixed};
+use super::vary::Varied;
+use ca_compile::Options;
+use ca_compile::analysis::{Network, modes};
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use ca_lab::load::{self, Loaded};
+use ca_lab::play::{self, BLOCK};
+use ca_lab::{Failure, catalog};
+
+/// The modes of a model that are computed: more places than this take longer than renders.
+const PLACES: usize = 300;
+
+/// A mode as it is heard.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Heard {
+    /// \[Hz\]
+    pub f: f64,
+    /// \[s\]
+    pub t60: f64,
+    /// how strongly the outputs hear it, beside the strongest
+    pub level: f64,
+}
+
+/// The model that is fitted.
+pub(super) struct Player<'a> {
+    loaded: &'a Loaded,
+    varied: &'a [Varied],
+    gesture: Option<&'a Gesture>,
+    rate: f64,
+    /// channels that are compared
+    channels: usize,
+    /// samples of a render
+    pub frames: u64,
+    /// renders so far
+    pub renders: u32,
+    /// most renders
+    pub budget: u32,
+    goes_on: &'a mut dyn FnMut(u32, u32) -> bool,
+}
+
+impl<'a> Player<'a> {
+    pub fn new(
+        loaded: &'a Loaded,
+        varied: &'a [Varied],
+        gesture: Option<&'a Gesture>,
+        (rate, channels, budget): (f64, usize, u32),
+        goes_on: &'a mut dyn FnMut(u32, u32) -> bool,
+    ) -> Player<'a> {
+        Player { loaded, varied, gesture, rate, channels, frames: 0, renders: 0, budget, goes_on }
+    }
+
+    /// How many renders are left.
+    pub fn left(&self) -> u32 {
+        self.budget.saturating_sub(self.renders)
+    }
+
+    /// The model with values at these places.
+    pub fn model(&self, places: &[f64]) -> Result<Loaded, Failure> {
+        let mut loaded = self.loaded.clone();
+        for (v, place) in self.varied.iter().zip(places) {
+            load::set(&mut loaded, &v.name, v.setting(v.value(*place)))?;
+        }
+        Ok(loaded)
+    }
+
+    fn options(&self, loaded: &Loaded) -> Options {
+        Options { rate: Some(self.rate), clouds: loaded.clouds.clone(), ..Options::default() }
+    }
+
+    /// What is heard with values at these places; `None` where the model cannot be so.
+    ///
+    /// # Errors
+    /// Where somebody wants no more, or its gesture does not fit it.
+    pub fn render(&mut self, places: &[f64]) -> Result<Option<Samples>, Failure> {
+        self.renders += 1;
+        if !(self.goes_on)(self.renders, self.budget) {
+            return Err(Failure::Stopped);
+        }
+        let loaded = self.model(places)?;
+        let Ok(scene) = loaded.compile(&self.options(&loaded)) else { return Ok(None) };
+        let performance = Performance::new(&scene, self.gesture)?;
+        let (channels, n_out) = (scene.channels, scene.n_out);
+        let mut heard: Samples = vec![Vec::with_capacity(self.frames as usize); channels];
+        let played = play::play(performance, self.frames, BLOCK, &mut |_, rows, _| {
+            for row in rows.chunks_exact(n_out.max(1)) {
+                heard.iter_mut().zip(row).for_each(|(c, x)| c.push(*x));
+            }
+            Ok::<(), Failure>(())
+        })?;
+        let whole = played.diverged_at.is_none() && heard.iter().flatten().all(|x| x.is_finite());
+        Ok(whole.then(|| if channels == self.channels { heard } else { mixed(&heard) }))
+    }
+
+    /// The modes that are heard, lowest first, with values at these places; no render. `None` where there are too many, or none.
+    pub fn modes(&self, places: &[f64]) -> Result<Option<Vec<Heard>>, Failure> {
+        let loaded = self.model(places)?;
+        let Ok(network) = ca_compile::linear(&loaded.model, &catalog(), &self.options(&loaded)) else {
+            return Ok(None);
+        };
+        if network.linear.dofs.is_empty() || network.linear.dofs.len() > PLACES {
+            return Ok(None);
+        }
+        let Some(found) = modes::modes(&network) else { return Ok(None) };
+        let heard = |m: &modes::Mode| level(&network, m) * m.heard;
+        let top = found.list.iter().map(heard).fold(0.0, f64::max);
+        let swings = found.list.iter().filter(|m| m.heard > 0.0 && !m.grows && top > 0.0);
+        let list: Vec<Heard> = swings.map(|m| Heard { f: m.heard, t60: m.t60, level: heard(m) / top }).collect();
+        Ok(Some(list).filter(|l| !l.is_empty()))
+    }
+}
+
+/// How strongly the outputs hear a mode, by its displacement where they listen; where that is a speed or an acceleration too. Outputs
+/// that hear forces do not count.
+///
+/// Decides for one weight of frequency, whatever is heard: this only tells modes with a node at every output from the others. Times
+/// (2πf)² the fundamental of a string of 40 masses would count as a node beside its highest mode.
+fn level(network: &Network, m: &modes::Mode) -> f64 {
+    let places = network.ports.iter().filter(|p| p.role == "hears").chain(&network.derivatives);
+    places.map(|p| m.at(&p.at).abs()).sum()
+}

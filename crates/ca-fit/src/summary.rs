@@ -1,0 +1,130 @@
+//! What is said of a fit at its end: the numbers, the distances, and what the model predicts.
+
+use super::loss::spectral::Spectral;
+use super::loss::wave::{self, Wave};
+use super::loss::{Free, Loss};
+use super::player::Player;
+use super::search::Point;
+use super::target::{Samples, Target};
+use super::verdict::Known;
+use super::verdict::{Doubt, StopReason, explained};
+use super::work::{Found, Work};
+use super::{Beyond, Distance, Fit, Fitted, Pitch, Shown, Stage, sinusoids};
+use ca_lab::Failure;
+
+impl Work<'_> {
+    pub fn summary(&self, player: &mut Player, before: &Point, found: &Found, known: Known) -> Result<Fit, Failure> {
+        let point = &found.point;
+        let (stage, until) = match found.until {
+            Some(until) => (Stage::Samples, until),
+            None => (Stage::Levels, 0),
+        };
+        let Target { rate, onset, fitted, .. } = self.target;
+        let there = self.target.samples.first().map_or(0, Vec::len);
+        let levels = Spectral::of(&self.target, 0, fitted, self.gain);
+        let wave = self.wave(fitted);
+        let distance = |p: &Point| {
+            // each at its best gain: what is compared is the model, not its loudness
+            let (l, w) = (levels.settle(&p.heard, p.free), wave.settle(&p.heard, p.free));
+            Distance { levels: levels.decibel(&p.heard, l), samples: wave.decibel(&p.heard, w) }
+        };
+        let before = Point { free: self.aligned(before, fitted), ..before.clone() };
+        let free = match stage {
+            Stage::Samples => self.wave(until).settle(&point.heard, point.free),
+            Stage::Levels => self.aligned(point, fitted),
+        };
+        let mut point = Point { free, ..point.clone() };
+        if self.is_beyond() {
+            player.frames = self.frames(there, free.delay);
+            point.heard = player.render(&point.places)?.unwrap_or(point.heard);
+        }
+        let point = point;
+        // the gain by which levels agree, with the sign that samples give it
+        let level = levels.settle(&point.heard, free);
+        let beyond = self.beyond(&point, level);
+        let loaded = player.model(&point.places)?;
+        let [was, is] = [&before, &point].map(distance);
+        let explained = explained(&is);
+        let pitch = Pitch::of(&self.target.samples, &before.heard, &point.heard, rate);
+        let doubt = match known.halt {
+            _ if !explained => Some(Doubt::Unexplained),
+            _ if pitch.ends_elsewhere() => Some(Doubt::Elsewhere),
+            StopReason::Renders | StopReason::Stuck => Some(Doubt::Unsettled),
+            StopReason::Settled if pitch.starts_far() && stage == Stage::Levels => Some(Doubt::Far),
+            StopReason::Settled => None,
+        };
+        let list = self.varied.iter().zip(&point.places).zip(&self.ends).zip(known.deviations);
+        let fitted_numbers = list
+            .map(|(((v, place), ends), found)| {
+                let value = v.value(*place);
+                let at_end = *place <= ends[0] || *place >= ends[1];
+                let doubt = if found.is_none() { Some(Doubt::Undetermined) } else { doubt };
+                let deviation = found.filter(|_| doubt.is_none()).map(|d| v.deviation(value, d));
+                Fitted { varied: v.clone(), value, deviation, doubt, at_end }
+            })
+            .collect();
+        let gained = |p: &Point, free: Free| -> Samples {
+            p.heard
+                .iter()
+                .map(|c| {
+                    let mut to = Vec::with_capacity(there);
+                    wave::delayed(c, free.delay, 0, there, &mut to);
+                    for x in &mut to {
+                        *x *= free.gain;
+                    }
+                    to
+                })
+                .collect()
+        };
+        let shown_free = if stage == Stage::Samples { point.free } else { level };
+        let shown = Shown {
+            rate,
+            fitted,
+            target: self.target.samples.clone(),
+            before: gained(&before, levels.settle(&before.heard, before.free)),
+            after: gained(&point, shown_free),
+        };
+        Ok(Fit {
+            loaded,
+            fitted: fitted_numbers,
+            gain: shown_free.gain,
+            delay: (point.free.delay + self.target.begin as f64) / rate,
+            renders: player.renders,
+            stage,
+            phase: until.saturating_sub(onset) as f64 / rate,
+            seconds: (fitted - onset) as f64 / rate,
+            halt: known.halt,
+            explained,
+            pitch,
+            before: was,
+            after: is,
+            beyond,
+            shown,
+            words: self.words,
+        })
+    }
+
+    /// How well what was not fitted is predicted, by the model and by damped sinusoids.
+    fn beyond(&self, point: &Point, level: Free) -> Option<Beyond> {
+        let Target { rate, onset, fitted, ref samples, .. } = self.target;
+        let there = samples.first().map_or(0, Vec::len);
+        if !self.is_beyond() {
+            return None;
+        }
+        // gain and delay are numbers too; a sinusoid has four
+        let numbers = self.varied.len() + 1 + usize::from(self.gain.is_none());
+        let count = numbers.div_ceil(4);
+        let other = sinusoids::continued(samples, (onset, fitted, there), count, rate);
+        let of = |heard: &Samples, levels: Free, wave: Free| Distance {
+            levels: Spectral::of(&self.target, fitted, there, Some(levels.gain)).decibel(heard, levels),
+            samples: Wave::of(&self.target, fitted, there, Some(wave.gain), false).decibel(heard, wave),
+        };
+        let one = Free { gain: 1.0, delay: 0.0 };
+        Some(Beyond {
+            seconds: (there - fitted) as f64 / rate,
+            model: of(&point.heard, level, point.free),
+            sinusoids: of(&other, one, one),
+            count,
+        })
+    }
+}

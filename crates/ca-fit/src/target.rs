@@ -1,0 +1,117 @@
+//! The recording that a model is fitted to: where its sound begins, and what of it is compared.
+//!
+//! Decides that a recording keeps its rate, and the model is compiled at it. As many channels as the model has are compared one
+//! by one; of any other number both sides are mixed into one. What is compared begins shortly before the onset: of silence
+//! nothing is learned. What is beyond the part that is fitted is kept, since it tells whether the fit predicts.
+
+use ca_io::recording::Recording;
+use ca_lab::Failure;
+
+/// The onset is the first sample louder than this part of the loudest, above what is heard of a hand before it plucks …
+const LOUD: f64 = 0.1;
+/// … from which on there is this part of the power of the loudest time: a knock before a note dies at once.
+const POWER: f64 = 0.04;
+/// How long that is looked at \[s\].
+const HELD: f64 = 0.06;
+/// So much before the onset is compared too \[s\].
+const BEFORE: f64 = 0.01;
+/// Least sound from the onset on \[s\].
+pub(super) const LEAST: f64 = 0.05;
+/// Most that is fitted where nobody says how much \[s\].
+const MOST: f64 = 4.0;
+/// What comes after that is kept for as long again, or for so long \[s\].
+const AFTER: f64 = 2.0;
+/// What is heard so long before the onset is the noise of the room \[s\].
+const QUIET: f64 = 0.03;
+
+/// Samples of each channel.
+pub(super) type Samples = Vec<Vec<f64>>;
+
+/// A recording, as far as it is compared.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Target {
+    /// \[Hz\]
+    pub rate: f64,
+    /// from a little before the onset on
+    pub samples: Samples,
+    /// what was recorded before there was anything to hear
+    pub quiet: Samples,
+    /// where that begins in the recording
+    pub begin: usize,
+    /// the onset, from there on
+    pub onset: usize,
+    /// how many samples are fitted
+    pub fitted: usize,
+}
+
+/// Where a sound begins; `None` of silence.
+pub(super) fn onset(samples: &Samples, rate: f64) -> Option<usize> {
+    let loudest = samples.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let n = samples.first().map_or(0, Vec::len);
+    let mut sums = vec![0.0];
+    let mut sum = 0.0;
+    for i in 0..n {
+        sum += samples.iter().map(|c| c[i] * c[i]).sum::<f64>();
+        sums.push(sum);
+    }
+    let held = (HELD * rate) as usize;
+    let power = |i: usize| sums[(i + held).min(n)] - sums[i];
+    let most = (0..n).map(power).fold(0.0, f64::max);
+    let loud = |i: &usize| samples.iter().any(|c| c[*i].abs() > LOUD * loudest);
+    (0..n).filter(loud).find(|i| power(*i) >= POWER * most).filter(|_| loudest > 0.0)
+}
+
+/// One channel of all.
+pub(super) fn mixed(samples: &Samples) -> Samples {
+    let n = samples.iter().map(Vec::len).min().unwrap_or(0);
+    let part = 1.0 / samples.len().max(1) as f64;
+    vec![(0..n).map(|i| part * samples.iter().map(|c| c[i]).sum::<f64>()).collect()]
+}
+
+impl Target {
+    /// Of a recording, for a model with so many channels; `seconds` from the onset on are fitted.
+    ///
+    /// # Errors
+    /// [`Failure::Failed`] where it is silent or too short.
+    pub fn of(recording: &Recording, channels: usize, seconds: Option<f64>) -> Result<Target, Failure> {
+        let Recording { rate, channels: all } = recording;
+        let samples = if all.len() == channels { all.clone() } else { mixed(all) };
+        let Some(at) = onset(&samples, *rate) else {
+            let what = "the target is silent: no sample of it differs from 0";
+            return Err(Failure::Failed(format!("{what}; record it louder, or name another file")));
+        };
+        let begin = at.saturating_sub((BEFORE * rate) as usize);
+        let silence = at.saturating_sub((QUIET * rate) as usize);
+        let quiet: Samples = samples.iter().map(|c| c[..silence].to_vec()).collect();
+        let mut samples: Samples = samples.into_iter().map(|c| c[begin..].to_vec()).collect();
+        let (onset, there) = (at - begin, samples.first().map_or(0, Vec::len));
+        let sound = (there - onset) as f64 / rate;
+        if sound < LEAST {
+            let what = format!("the target has {sound:.4} s of sound from its onset on; at least {LEAST} s are needed");
+            return Err(Failure::Failed(format!("{what}; record more of it")));
+        }
+        let asked = seconds.unwrap_or(MOST).max(LEAST);
+        let fitted = there.min(onset + (asked * rate) as usize);
+        let end = fitted + (fitted - onset).max((AFTER * rate) as usize);
+        for c in &mut samples {
+            c.truncate(end);
+        }
+        Ok(Target { rate: *rate, samples, quiet, begin, onset, fitted })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_knock_before_a_note_is_no_onset() {
+        let note = |i: usize| if i < 4000 { 0.0 } else { (-1e-4 * (i - 4000) as f64).exp() * (0.3 * i as f64).sin() };
+        let mut sound: Samples = vec![(0..12_000).map(note).collect()];
+        let begin = onset(&sound, 8000.0).unwrap();
+        assert!((4000..4010).contains(&begin), "{begin}");
+        (1000..1010).for_each(|i| sound[0][i] = 0.5);
+        assert_eq!(onset(&sound, 8000.0), Some(begin));
+        assert_eq!(onset(&vec![vec![0.0; 100]], 8000.0), None);
+    }
+}

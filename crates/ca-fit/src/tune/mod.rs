@@ -1,0 +1,240 @@
+//! Tune: parts of a model brought to a pitch.
+//!
+//! The pitch of a part comes from the modes of the whole model, and not from a formula: a body on a string pulls its pitch,
+//! and it is heard through the scheme. A generator that knows `f` is right at once. The rest is found by the secant
+//! of two logarithms, since a frequency is a power of a stiffness. Each step reads the changed text.
+
+mod instance;
+
+use ca_compile::Options;
+use ca_compile::analysis::{Mode, Network, modes};
+use ca_edit::number::{self, Number};
+use ca_edit::{Document, Place};
+use ca_lab::load::{self, Loaded};
+use ca_lab::{Failure, Found, catalog};
+use ca_model::{Model, Value};
+
+/// A pitch is met where it is nearer than this \[cents\].
+const MET: f64 = 1e-6;
+/// A pitch that is further away was not tuned \[cents\].
+const NEAR: f64 = 0.01;
+/// Digits of a number that is written: what [`MET`] needs.
+const DIGITS: usize = 11;
+/// Rounds over all parts, where there are several.
+const SWEEPS: usize = 2;
+/// Steps of the secant.
+const STEPS: usize = 16;
+
+/// A part, and the pitch it shall have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PitchTarget {
+    /// the module
+    pub part: String,
+    /// of a bank, the cell
+    pub cell: Option<usize>,
+    /// the pitch \[Hz\]
+    pub hz: f64,
+}
+
+/// The number of the text that tunes a part.
+struct Variable {
+    /// the part
+    part: String,
+    /// of a bank, the cell
+    cell: Option<usize>,
+    /// where the number stands
+    place: Place,
+    /// its unit in SI
+    unit: &'static str,
+    /// pitch over number, as powers
+    slope: f64,
+}
+
+/// A part as it became.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuned {
+    /// the module, with the cell of a bank
+    pub part: String,
+    /// the pitch that was asked for \[Hz\]
+    pub wanted: f64,
+    /// its pitch before \[Hz\]
+    pub before: f64,
+    /// its pitch now \[Hz\]
+    pub heard: f64,
+    /// the number that was written
+    pub number: String,
+}
+
+impl Tuned {
+    /// Its distance from the pitch that was asked for \[cents\].
+    pub fn off(&self) -> f64 {
+        1200.0 * (self.heard / self.wanted).log2()
+    }
+}
+
+/// Tunes parts by the mode number `mode` from below (1 is the lowest) of those that are mostly their own. `loaded` is then the tuned model; the result is its
+/// text, with the parts as they became.
+///
+/// # Errors
+/// A part that is not in the model, or shares its number with others ([`Failure::Usage`]); a pitch that is not reached, or a text that cannot be edited
+/// ([`Failure::Failed`]); a model with errors ([`Failure::Found`]).
+pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(String, Vec<Tuned>), Failure> {
+    let mut text =
+        Document::read(&loaded.model.text).map_err(|e| Failure::Failed(format!("`{}`: {e}", loaded.model.file)))?;
+    let mut variables = Vec::new();
+    for target in targets {
+        variables.push((variable(&loaded.model, &target.part, target.cell)?, target.hz));
+    }
+    let mut done: Vec<Tuned> = Vec::new();
+    for (variable, wanted) in &variables {
+        done.push(one(loaded, &mut text, variable, *wanted, mode)?);
+    }
+    // what hangs together moves each other
+    for _ in 0..if variables.len() > 1 { SWEEPS } else { 0 } {
+        for (t, (variable, wanted)) in done.iter_mut().zip(&variables) {
+            let before = t.before;
+            *t = Tuned { before, ..one(loaded, &mut text, variable, *wanted, mode)? };
+        }
+    }
+    for (t, (variable, _)) in done.iter_mut().zip(&variables) {
+        t.heard = heard(loaded, &t.part, variable, mode)?;
+        if t.off().abs() > NEAR {
+            let what = format!("`{}` cannot be {} Hz beside the others: it is {} Hz", t.part, t.wanted, t.heard);
+            return Err(Failure::Failed(format!("{what}; do they follow one parameter?")));
+        }
+    }
+    Ok((text.to_string(), done))
+}
+
+/// Which number of the text tunes a part.
+fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, Failure> {
+    let Some(item) = model.items.iter().find(|i| i.name == part) else {
+        let names = || model.items.iter().map(|i| i.name.as_str());
+        let near = ca_model::suggest::nearest(part, names());
+        let hint =
+            near.map_or_else(|| format!("there is {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
+        return Err(Failure::Usage(format!("the model has no `{part}`; {hint}")));
+    };
+    let of = |key: &str| item.args.iter().find(|e| e.key == key);
+    let (key, unit, slope) = match (of("f"), of("k")) {
+        (Some(_), _) => ("f", "Hz", 1.0),
+        (None, Some(_)) => ("k", "N/m", 0.5),
+        (None, None) => {
+            return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so nothing of it can be tuned")));
+        }
+    };
+    let entry = of(key).map(|e| &e.value);
+    if let Some(found) = instance::variable(model, item, entry, (key, unit, slope)) {
+        return found;
+    }
+    if let (Some(Value::List(list)), None) = (entry, cell) {
+        let n = list.len();
+        return Err(Failure::Usage(format!(
+            "`{part}` has {n} pitches: give it a scale, `--scale equal --root A4 {part}`"
+        )));
+    }
+    // a parameter that it follows tunes it
+    let followed = match entry {
+        Some(Value::Text(name)) => model.params.iter().find(|p| p.key == *name),
+        _ => None,
+    };
+    let place = match followed {
+        Some(p) => Place::param(Place::default(), &p.key, &p.value),
+        None => Place::module(part, &item.kind, key),
+    };
+    let place = Place { index: cell, ..place };
+    Ok(Variable { part: part.into(), cell, place, unit, slope })
+}
+
+/// Brings a part to its pitch.
+fn one(
+    loaded: &mut Loaded,
+    text: &mut Document,
+    variable: &Variable,
+    wanted: f64,
+    mode: u32,
+) -> Result<Tuned, Failure> {
+    let name = variable.cell.map_or(variable.part.clone(), |k| format!("{}[{k}]", variable.part));
+    let Some(Number { value: mut v, has_unit }) = number::read(text, &variable.place) else {
+        return Err(Failure::Failed(format!("`{name}`: `{}` is not a number that can be tuned", variable.place)));
+    };
+    let before = heard(loaded, &name, variable, mode)?;
+    let (mut slope, mut now, mut written) = (variable.slope, before, format!("{v:?}"));
+    for step in 0..STEPS {
+        let off = (wanted / now).log2();
+        if off.abs() * 1200.0 < MET {
+            break;
+        }
+        // a number that is the pitch itself is right at once, whatever it was before
+        let next = if step == 0 && variable.slope == 1.0 && has_unit { wanted } else { v * (off / slope).exp2() };
+        let outside = || {
+            Failure::Failed(format!("`{name}` cannot sound at {wanted} Hz: `{}` would leave its range", variable.place))
+        };
+        if !(next.is_finite() && next > 0.0) {
+            return Err(outside());
+        }
+        written = number::write(text, &variable.place, next, variable.unit, DIGITS).ok_or_else(outside)?;
+        *loaded = load::reread(loaded, &text.to_string());
+        let f = heard(loaded, &name, variable, mode)?;
+        let (moved, turned) = ((f / now).log2(), (next / v).log2());
+        if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {
+            slope = moved / turned;
+        }
+        (v, now) = (next, f);
+    }
+    let left = 1200.0 * (wanted / now).log2();
+    if left.abs() > NEAR {
+        let what = format!("`{name}` comes no nearer to {wanted} Hz than {now} Hz ({left:+.3} cents)");
+        return Err(Failure::Failed(format!(
+            "{what}: what hangs on it holds its pitch, or it is near half the sound rate"
+        )));
+    }
+    Ok(Tuned { part: name, wanted, before, heard: now, number: written })
+}
+
+/// The pitch of a part: of the modes that are mostly it, number `mode` from below.
+fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
+    let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
+    let network = ca_compile::linear(&loaded.model, &catalog(), &options)
+        .map_err(|diags| Failure::Found(Box::new(Found { diags, model: loaded.model.clone() })))?;
+    if let Some((_, code)) = network.left_out.iter().find(|(n, _)| n == name) {
+        return Err(Failure::Usage(format!(
+            "`{name}` is a {code}: it sounds at its `f` as written; `--set {name}.f=…`"
+        )));
+    }
+    let Some(found) = modes::modes(&network) else {
+        let n = network.names.len();
+        return Err(Failure::Failed(format!(
+            "{n} places move, which is too much for modes: at most {}",
+            modes::LARGEST
+        )));
+    };
+    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, variable)).collect();
+    if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == variable.part && variable.cell.is_some())) {
+        let from = if variable.cell.is_some() { format!("{}[*]", variable.part) } else { name.into() };
+        return Err(Failure::Failed(format!(
+            "nothing hears `{name}`, so it is left out of the scene; hear it with an output, such as `[SOX]` with \
+             `from = \"{from}\"`"
+        )));
+    }
+    let most = found.list.iter().filter(|m| m.heard > 0.0 && share(&network, m, &own) > 0.5);
+    let Some(m) = most.clone().nth(mode as usize - 1) else {
+        let n = most.count();
+        return Err(Failure::Failed(format!(
+            "`{name}` has {n} modes that are mostly its own; number {mode} is asked for"
+        )));
+    };
+    Ok(m.heard)
+}
+
+/// True of a place that belongs to a part.
+fn is_of(place: &str, name: &str, variable: &Variable) -> bool {
+    let rest = place.strip_prefix(name);
+    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (variable.cell.is_none() && r.starts_with('[')))
+}
+
+/// The share of a mode's kinetic energy in these places.
+fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
+    let tick_dt = network.tick_dt;
+    places.iter().map(|i| m.shape[*i] * m.shape[*i] * tick_dt * tick_dt / network.linear.dofs[*i].c).sum()
+}

@@ -1,0 +1,298 @@
+//! The stages of a fit, and in which order they are tried.
+//!
+//! Decides that the search has several starts: where the modes lie at the partials, as the model was given, and a few values of
+//! each number that modes say nothing of, such as the mass of a hammer. Each goes down by samples where phases agree at once,
+//! else by levels and then by samples; the first that leaves next to nothing ends it, and the budget of renders does.
+
+use super::loss::spectral::Spectral;
+use super::loss::wave::Wave;
+use super::loss::{Free, Loss};
+use super::modal::{self, partials};
+use super::normal::dot;
+use super::player::Player;
+use super::search::{Point, Rules, Slopes, Stop, descend};
+use super::target::{self, Target};
+use super::vary::Varied;
+use super::verdict::{Known, StopReason, Words};
+use super::{BEYOND, FEW, Fit};
+use ca_lab::Failure;
+
+/// How late the model may begin \[s\].
+const LATE: f64 = 2.0;
+/// First window in which samples are compared \[s\], and how it grows.
+const FIRST: f64 = 0.03;
+const GROWS: f64 = 1.8;
+/// What is tried of a number that modes say nothing of, as logarithms or parts of its scale.
+const SCAN: [f64; 4] = [-0.7, -0.35, 0.35, 0.7];
+/// What is left of samples where nothing better is looked for \[dB\].
+const FOUND: f64 = -25.0;
+/// Phases agree where what is left is less than this part of the sound.
+const AGREES: f64 = 0.5;
+/// Samples decide where less than this part of the sound is left.
+const SURE: f64 = 0.1;
+/// First moments by which a delay is found \[s\].
+const ALIGNED: [f64; 2] = [0.03, 0.15];
+/// How far from where its onset puts it a sound may be \[s\].
+const LAG: f64 = 0.003;
+
+/// Where the search from one start ended.
+pub(super) struct Found {
+    pub point: Point,
+    /// up to which sample samples decided; `None` where levels did
+    pub until: Option<usize>,
+    /// whether renders were spent before samples were followed as far as phases agree
+    pub cut: bool,
+}
+
+/// A fit under way.
+pub(super) struct Work<'a> {
+    pub target: Target,
+    pub varied: &'a [Varied],
+    /// of places
+    pub ends: Vec<[f64; 2]>,
+    /// where it is not free
+    pub gain: Option<f64>,
+    /// what options are called
+    pub words: &'static Words,
+}
+
+impl Work<'_> {
+    /// All of it.
+    pub fn run(&self, player: &mut Player) -> Result<Fit, Failure> {
+        let Target { rate, onset, fitted, .. } = self.target;
+        let start: Vec<f64> = vec![0.0; self.varied.len()];
+        let start: Vec<f64> = start.iter().zip(&self.ends).map(|(p, e)| p.clamp(e[0], e[1])).collect();
+        // the model has its onset when it likes
+        player.frames = (fitted + (LATE * rate) as usize) as u64;
+        let levels = Spectral::of(&self.target, 0, fitted, self.gain);
+        let Some(first) = self.point(player, &start)? else {
+            return Err(Failure::Failed("the model makes no sound, or diverges, at the values it starts with".into()));
+        };
+        player.frames = self.frames(fitted, first.free.delay);
+        let point = Point { free: levels.settle(&first.heard, first.free), ..first };
+        let before = point.clone();
+        let partials = partials::partials(&self.target.samples, (onset + (0.02 * rate) as usize).min(fitted), rate);
+        let mut moved = vec![false; start.len()];
+        let mut starts = vec![point];
+        if let Some(placed) = modal::place(player, &partials, &start, &self.ends)? {
+            moved = placed.moved;
+            if let Some(tried) = self.point(player, &placed.places)? {
+                starts.insert(0, Point { free: levels.settle(&tried.heard, tried.free), ..tried });
+            }
+        }
+        let starts = self.scanned(player, &levels, starts, &moved)?;
+        let spare = self.spare();
+        let mut best: Option<(f64, Found)> = None;
+        let mut slopes: Option<Slopes> = None;
+        for start in starts {
+            if best.is_some() && player.left() < 3 * spare + FEW {
+                break;
+            }
+            let rules = Rules { ends: &self.ends, still: &[], steps: 8, gains: 0.03, spare };
+            let mut own: Option<Slopes> = None;
+            // where phases agree already, samples tell more than levels, and at once
+            let mut found = None;
+            if self.agreement(&start).1 < AGREES {
+                found = Some(self.samples(player, start.clone(), &mut own)?).filter(|f| f.until.is_some());
+            }
+            let found = if let Some(found) = found {
+                found
+            } else {
+                let (downhill, _) = descend(player, &levels, start, &mut own, &rules)?;
+                self.samples(player, downhill, &mut own)?
+            };
+            let score = self.score(&levels, &found.point, found.until);
+            if best.as_ref().is_none_or(|b| score < b.0) {
+                (best, slopes) = (Some((score, found)), own);
+            }
+            if best.as_ref().is_some_and(|b| b.0 < FOUND) {
+                break;
+            }
+        }
+        let Some((_, found)) = best else {
+            return Err(Failure::Failed("the search has no start".into()));
+        };
+        let (found, known) = self.to_the_end(player, found, &mut slopes)?;
+        self.summary(player, &before, &found, known)
+    }
+
+    /// Goes on by the distance that decided until the search has settled; where levels did and phases then agree, by samples.
+    fn to_the_end(
+        &self,
+        player: &mut Player,
+        mut found: Found,
+        slopes: &mut Option<Slopes>,
+    ) -> Result<(Found, Known), Failure> {
+        let mut known = None;
+        if found.until.is_none() {
+            let by_levels =
+                |until: usize| -> Box<dyn Loss> { Box::new(Spectral::of(&self.target, 0, until, self.gain)) };
+            let (point, at_levels) =
+                self.settled(player, (&by_levels, self.target.fitted), found.point.clone(), slopes)?;
+            let moved = point.places != found.point.places;
+            found.point = point;
+            known = Some(at_levels);
+            if moved {
+                found = self.samples(player, found.point, slopes)?;
+            }
+        }
+        if let Some(until) = found.until {
+            let by_samples = |until: usize| -> Box<dyn Loss> { Box::new(self.wave(until)) };
+            let (point, at_samples) = self.settled(player, (&by_samples, until), found.point, slopes)?;
+            return Ok((Found { point, ..found }, at_samples));
+        }
+        let mut known = known.unwrap_or_else(|| Known::nothing(self.varied.len()));
+        // samples were not followed as far as phases agree
+        if found.cut {
+            known.halt = StopReason::Renders;
+        }
+        Ok((found, known))
+    }
+
+    /// Samples of a render that reach to a sample of the recording, with room for a delay that changes.
+    pub fn frames(&self, until: usize, delay: f64) -> u64 {
+        let early = libm::ceil((-delay).max(0.0)) as usize;
+        (until + early + (0.02 * self.target.rate) as usize) as u64
+    }
+
+    /// Renders for what is known of the numbers, and for what comes after the part that is fitted.
+    pub fn spare(&self) -> u32 {
+        self.varied.len() as u32 + u32::from(self.is_beyond())
+    }
+
+    /// Whether enough of the recording is not fitted.
+    pub fn is_beyond(&self) -> bool {
+        let there = self.target.samples.first().map_or(0, Vec::len);
+        (there - self.target.fitted) as f64 >= BEYOND * self.target.rate
+    }
+
+    /// How good a find is: what is left of the samples, where they could be followed; else levels, which is worse.
+    fn score(&self, levels: &Spectral, point: &Point, until: Option<usize>) -> f64 {
+        match until {
+            Some(until) => self.wave(until).decibel(&point.heard, point.free),
+            None => levels.decibel(&point.heard, levels.settle(&point.heard, point.free)),
+        }
+    }
+
+    /// Gain and delay by which the first moments of samples agree best, and what is then left of all that is fitted.
+    fn agreement(&self, point: &Point) -> (Free, f64) {
+        let Target { rate, onset, fitted, .. } = self.target;
+        let wave = self.wave(fitted);
+        let tried = ALIGNED.map(|seconds| {
+            let free = self.aligned(point, (onset + (seconds * rate) as usize).min(fitted));
+            let free = wave.settle(&point.heard, free);
+            let r = wave.residual(&point.heard, free);
+            (free, dot(&r, &r))
+        });
+        tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((point.free, 1.0))
+    }
+
+    /// Where the search may start, best first, by samples where phases agree and else by levels: a few values of each number that modes say nothing of. A blow may have
+    /// more than one that comes near, and steps downhill find the nearest.
+    fn scanned(
+        &self,
+        player: &mut Player,
+        levels: &Spectral,
+        points: Vec<Point>,
+        moved: &[bool],
+    ) -> Result<Vec<Point>, Failure> {
+        let off = |p: &Point| match self.agreement(p).1 {
+            left if left < AGREES => left,
+            _ => 1.0 + levels.decibel(&p.heard, p.free),
+        };
+        let mut all: Vec<(f64, Point)> = points.into_iter().map(|p| (off(&p), p)).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for k in (0..moved.len()).filter(|k| !moved[*k]) {
+            let centre = all[0].1.clone();
+            for by in SCAN {
+                // most of what is left is for the steps
+                if player.left() < player.budget / 2 + self.varied.len() as u32 {
+                    break;
+                }
+                let mut places = centre.places.clone();
+                places[k] = (places[k] + by).clamp(self.ends[k][0], self.ends[k][1]);
+                if places == centre.places {
+                    continue;
+                }
+                if let Some(tried) = self.point(player, &places)? {
+                    let tried = Point { free: levels.settle(&tried.heard, tried.free), ..tried };
+                    all.push((off(&tried), tried));
+                }
+            }
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        Ok(all.into_iter().map(|a| a.1).collect())
+    }
+
+    /// What is heard at these places, where its onset is that of the recording; `None` where the model cannot be so or is silent.
+    fn point(&self, player: &mut Player, places: &[f64]) -> Result<Option<Point>, Failure> {
+        let Some(heard) = player.render(places)? else { return Ok(None) };
+        let Some(onset) = target::onset(&heard, self.target.rate) else { return Ok(None) };
+        let delay = self.target.onset as f64 - onset as f64;
+        Ok(Some(Point { places: places.to_vec(), free: Free { gain: 0.0, delay }, heard }))
+    }
+
+    pub fn wave(&self, until: usize) -> Wave {
+        Wave::of(&self.target, 0, until, self.gain, true)
+    }
+
+    /// Samples compared in windows that grow as far as phases agree; up to where, if that is all that is fitted.
+    fn samples(&self, player: &mut Player, mut point: Point, slopes: &mut Option<Slopes>) -> Result<Found, Failure> {
+        let spare = self.spare();
+        let Target { rate, onset, fitted, .. } = self.target;
+        let before = point.clone();
+        let mut windows: Vec<usize> = Vec::new();
+        let mut seconds = FIRST;
+        while onset + ((seconds * rate) as usize) < fitted {
+            windows.push(onset + (seconds * rate) as usize);
+            seconds *= GROWS;
+        }
+        windows.push(fitted);
+        point.free = self.agreement(&point).0;
+        let left = |point: &Point, until: usize| {
+            let wave = self.wave(until);
+            let free = wave.settle(&point.heard, point.free);
+            let r = wave.residual(&point.heard, free);
+            dot(&r, &r)
+        };
+        let mut reached: Option<usize> = None;
+        let mut cut = false;
+        loop {
+            // the longest window in which phases agree already
+            let next = windows.iter().copied().filter(|w| left(&point, *w) < AGREES).max();
+            let Some(until) = next.filter(|w| reached.is_none_or(|r| *w > r)) else { break };
+            let last = until == fitted;
+            let rules = Rules {
+                ends: &self.ends,
+                still: &[],
+                steps: if last { 12 } else { 3 },
+                gains: if last { 1e-4 } else { 0.2 },
+                spare,
+            };
+            let (next, stop) = descend(player, &self.wave(until), point, slopes, &rules)?;
+            (point, cut) = (next, stop == Stop::Renders);
+            reached = Some(until);
+            if last {
+                break;
+            }
+        }
+        // what is left of a recording that the model cannot follow would bend the numbers to the strongest partials
+        if reached == Some(fitted) && left(&point, fitted) < SURE {
+            return Ok(Found { point, until: reached, cut });
+        }
+        Ok(Found { point: before, until: None, cut })
+    }
+
+    /// The delay, near that of the onsets, by which samples agree best.
+    pub fn aligned(&self, point: &Point, until: usize) -> Free {
+        let most = (LAG * self.target.rate) as i32;
+        let wave = self.wave(until);
+        let tried = (-most..=most).map(|lag| {
+            let delay = libm::round(point.free.delay) + f64::from(lag);
+            let free = wave.settle(&point.heard, Free { delay, ..point.free });
+            let r = wave.residual(&point.heard, free);
+            (dot(&r, &r), lag.abs(), free)
+        });
+        tried.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map_or(point.free, |t| t.2)
+    }
+}

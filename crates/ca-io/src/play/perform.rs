@@ -1,0 +1,288 @@
+//! Perform: a scene, a gesture and the time that passes.
+//!
+//! Decides where a gesture is read: position and force ports every sound sample, device ports once per gesture frame
+//! (through the border of the scene), live parameters once per gesture frame, ramped over it, so that a broken line in
+//! a gesture is a broken line in the coefficient. The command, Python and tests all play scenes through this one loop,
+//! so the same model, gesture and parameters give the same bits everywhere.
+
+use crate::error::{FileError, FileErrorKind};
+use crate::gesture::{Gesture, Track, own};
+pub use crate::play::player::DIVERGED;
+use crate::play::player::Player;
+use ca_core::border::frame_due;
+use ca_core::live::{Controls, LiveParam, Patch};
+use ca_core::numeric::Plain;
+use ca_core::scene::{InputRole, Scene};
+use std::ops::{Deref, DerefMut};
+
+/// Seconds of silence after a gesture, and the least of everything.
+const TAIL: f64 = 2.0;
+const LEAST: f64 = 3.0;
+/// Seconds that a sound has to die away after the last event of a MIDI file.
+const RING: f64 = 10.0;
+
+/// What a track drives.
+enum Target {
+    Input(usize),
+    Device(usize),
+    /// number in [`Controls::params`]
+    Param(usize),
+}
+
+/// The target of a track: numbers are places in [`State::input`](ca_core::State::input).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Driven<'a> {
+    /// a port of a device
+    Device(usize),
+    /// a port of position or force
+    Port(usize),
+    /// a live parameter
+    Param(&'a str),
+}
+
+struct Drive {
+    target: Target,
+    track: Track,
+    near: usize,
+    /// of a live parameter, the first value that was out of its range
+    outside: Option<f64>,
+}
+
+/// A scene being played by gestures: a [`Player`] and the tracks that drive it.
+pub struct Performance<'a> {
+    /// the scene
+    pub scene: &'a Scene,
+    /// how it stands
+    pub player: Player,
+    /// its live parameters
+    pub controls: Controls,
+    drives: Vec<Drive>,
+    /// time of the last event of a MIDI file \[s\]
+    midi_ends: Option<f64>,
+    /// the last change of a parameter, kept for its room
+    patch: Patch,
+}
+
+impl Deref for Performance<'_> {
+    type Target = Player;
+
+    fn deref(&self) -> &Player {
+        &self.player
+    }
+}
+
+impl DerefMut for Performance<'_> {
+    fn deref_mut(&mut self) -> &mut Player {
+        &mut self.player
+    }
+}
+
+impl<'a> Performance<'a> {
+    /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
+    /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
+    ///
+    /// # Errors
+    /// Where the gesture moves what the scene does not have, or beyond its bounds.
+    pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
+        let mut p = Performance {
+            scene,
+            player: Player::new(scene.state()),
+            controls: scene.controls(),
+            drives: Vec::new(),
+            midi_ends: gesture.filter(|g| g.is_midi()).map(Gesture::duration),
+            patch: Patch { scene: scene.identity(), set: Vec::with_capacity(scene.live.coefs.len()) },
+        };
+        for track in own(scene) {
+            let track = track?;
+            if gesture.is_none_or(|g| g.track(track.name()).is_none()) {
+                p.drive(track)?;
+            }
+        }
+        for track in gesture.map_or(&[][..], Gesture::tracks) {
+            p.drive(track.clone())?;
+        }
+        p.player = Player::new(scene.state_from(|input| p.hand(input)));
+        Ok(p)
+    }
+
+    /// The position at the first tick of the hand on a place of [`State::input`](ca_core::State::input), and its change per tick; `None`
+    /// where nothing drives it. A hand that is under way then was so before it.
+    pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
+        let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
+        let [now, next] = [0.0, self.scene.sample_dt].map(|t| d.track.at(t));
+        Some([now, next - now])
+    }
+
+    fn drive(&mut self, track: Track) -> Result<(), FileError> {
+        let name = track.name();
+        let param = || self.controls.params().iter().position(|p| p.name == name);
+        let target = match (self.scene.inputs.iter().position(|i| i.name == name), param()) {
+            (Some(i), _) if self.scene.inputs[i].role == InputRole::Device => Target::Device(i),
+            (Some(i), _) => Target::Input(i),
+            (None, Some(p)) => Target::Param(p),
+            (None, None) => {
+                let inputs = self.scene.inputs.iter().map(|i| i.name.as_str());
+                let all: Vec<String> = inputs
+                    .chain(self.controls.params().iter().map(|p| p.name.as_str()))
+                    .map(|n| format!("`{n}`"))
+                    .collect();
+                let fix = if all.is_empty() {
+                    "the model has no port or live parameter to drive".into()
+                } else {
+                    format!("this model can be driven at {}", all.join(", "))
+                };
+                return Err(FileError::new(FileErrorKind::Usage, format!("nothing is driven by `{name}`")).fix(fix));
+            }
+        };
+        self.drives.push(Drive { target, track, near: 0, outside: None });
+        Ok(())
+    }
+
+    /// Seconds until the last gesture has ended; 0 without gestures.
+    pub fn duration(&self) -> f64 {
+        self.drives.iter().map(|d| d.track.duration()).fold(0.0, f64::max)
+    }
+
+    /// Seconds until a gesture that has a MIDI file in it has ended.
+    pub fn midi_ends(&self) -> Option<f64> {
+        self.midi_ends
+    }
+
+    /// Live parameters whose gesture has left their range so far, where they stayed at its end: each with the first value
+    /// that was outside \[SI\].
+    pub fn clamped(&self) -> impl Iterator<Item = (&LiveParam, f64)> {
+        let params = self.controls.params();
+        self.drives.iter().filter_map(move |d| match d.target {
+            Target::Param(p) => Some((params.get(p)?, d.outside?)),
+            _ => None,
+        })
+    }
+
+    /// Names of what is being driven.
+    pub fn driven(&self) -> Vec<&str> {
+        self.drives.iter().map(|d| d.track.name()).collect()
+    }
+
+    /// What is driven, and where it is at the gesture frame that begins at tick `tick`, for an engine that plays the
+    /// scene instead of this.
+    pub fn hands(&mut self, tick: u64) -> impl Iterator<Item = (Driven<'_>, f64)> {
+        let t = self.end_of_frame(tick);
+        let params = self.controls.params();
+        self.drives.iter_mut().map(move |d| {
+            let value = d.track.at_near(&mut d.near, t);
+            let what = match d.target {
+                Target::Input(i) => Driven::Port(i),
+                Target::Device(i) => Driven::Device(i),
+                Target::Param(p) => Driven::Param(&params[p].name),
+            };
+            (what, value)
+        })
+    }
+
+    /// Time at which what is read at the start of a frame is meant \[s\]: its end.
+    fn end_of_frame(&self, tick: u64) -> f64 {
+        let tick_dt = self.scene.sample_dt;
+        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.ratio - 1) * tick_dt }
+    }
+
+    /// Runs one tick; the outputs are in `state.output`.
+    pub fn tick(&mut self) {
+        if !self.diverged {
+            self.move_hands();
+        }
+        self.player.tick(self.scene);
+    }
+
+    /// Gives ports and live parameters what their gestures say at this tick.
+    fn move_hands(&mut self) {
+        let end = self.end_of_frame(self.state.tick);
+        let (scene, s) = (self.scene, &mut self.player.state);
+        let frame = frame_due(scene, s.tick);
+        let t = s.tick as f64 * scene.sample_dt;
+        for d in &mut self.drives {
+            match &d.target {
+                Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),
+                Target::Device(i) if frame => s.input[*i] = d.track.at_near(&mut d.near, end),
+                Target::Param(p) if frame => {
+                    let v = d.track.at_near(&mut d.near, end);
+                    let param = &self.controls.params()[*p];
+                    if param.value != v {
+                        if !(param.min..=param.max).contains(&v) {
+                            d.outside = d.outside.or(Some(v));
+                        }
+                        // out of range is clamped: a gesture is a signal, and a signal never stops a performance
+                        let v = v.max(param.min).min(param.max);
+                        if self.controls.turn(*p, v, &mut self.patch).is_ok() {
+                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.frame });
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Runs so many ticks, and appends the outputs of each to `rows`.
+    pub fn ticks(&mut self, n: u64, rows: &mut Vec<f64>) {
+        if self.drives.is_empty() {
+            return self.player.ticks(self.scene, n, rows);
+        }
+        for _ in 0..n {
+            self.tick();
+            rows.extend_from_slice(&self.player.state.output[..self.scene.n_out]);
+        }
+    }
+
+    /// Runs a tick for each row of `rows` (ticks x inputs), which gets what the inputs were given.
+    pub fn given(&mut self, rows: &mut [f64]) {
+        for row in rows.chunks_exact_mut(self.scene.inputs.len().max(1)) {
+            self.tick();
+            row.copy_from_slice(&self.player.state.input);
+        }
+    }
+
+    /// Plays up to tick number `tick`, or until positions are out of range: they are looked at every `look` ticks.
+    pub fn until(&mut self, tick: u64, look: u64) {
+        while self.state.tick < tick && self.state.is_bounded(DIVERGED) {
+            (0..look.min(tick - self.state.tick)).for_each(|_| self.tick());
+        }
+    }
+
+    /// The module to blame once the scene is [`Player::diverged`], and why: the one the certificate names where that
+    /// found the scene unstable; else the link that made most energy in a second run with the ledger kept, given as
+    /// `audited`; else the MAT that went furthest.
+    pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
+        let cert = &self.scene.certificate;
+        if cert.lower >= 4.0 {
+            let why = format!("too stiff for its mass at this rate: {:.3}, the limit is 4", Plain(cert.lower));
+            return (cert.worst.clone(), why);
+        }
+        if let Some(scene) = audited {
+            if let Ok(mut audited) = Performance::new(scene, gesture) {
+                // up to the first tick out of range: what is entered after that says nothing of the cause
+                audited.until(self.state.tick + 64, 1);
+                if let Some((link, made)) =
+                    audited.state.ledger.as_deref().and_then(ca_core::state::Ledger::largest_error)
+                {
+                    if let Some(name) = scene.audited_name(link) {
+                        return (name.into_owned(), format!("it made {made:.3e} J"));
+                    }
+                }
+            }
+        }
+        let m = self.state.furthest();
+        (self.scene.mat_name(m).into(), "it went furthest".into())
+    }
+}
+
+/// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or
+/// until its gestures have died away.
+pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
+    let midi = p.midi_ends.map(|end| end + RING);
+    asked.or(midi).or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+}
+
+/// Samples in so many seconds; at least one.
+pub fn frames(scene: &Scene, seconds: f64) -> u64 {
+    (seconds * scene.rate).round().max(1.0) as u64
+}

@@ -1,0 +1,143 @@
+//! What is varied, and where on it a run lies.
+//!
+//! Decides that the place of a run on an axis depends on nothing but the scene, the seed, the number of the run and the
+//! name of the axis: not on who computes it, in which order, nor on which other axes there are. With `‖` for bytes one
+//! after the other, numbers as 8 bytes with the lowest first:
+//!
+//! - seed of run i: the first 8 bytes of BLAKE3(hash of the scene, 32 bytes ‖ seed ‖ i) as a number, halved, so that a
+//!   column of whole numbers with a sign holds it;
+//! - place of run i on an axis, from 0 up to 1: the first 8 bytes of BLAKE3(seed of run i ‖ name), its upper 53 bits
+//!   over 2⁵³.
+
+use ca_lab::Failure;
+use ca_model::Value;
+use ca_model::quantity;
+
+/// Most values on an axis.
+const MOST: usize = 1_000_000;
+
+/// What one parameter may be.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Space {
+    /// one of these
+    List(Vec<Value>),
+    /// anything between, in SI units
+    Range {
+        /// at one end
+        from: f64,
+        /// at the other
+        to: f64,
+        /// equal ratios instead of equal differences
+        log: bool,
+    },
+}
+
+/// A parameter and what it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// as `--set` knows it
+    pub name: String,
+    /// what it may be
+    pub space: Space,
+    /// both ends as written, with their units, where it goes from one to the other
+    pub ends: Option<[Value; 2]>,
+}
+
+impl Axis {
+    /// One of these values.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where there is none.
+    pub fn list(name: &str, values: Vec<Value>) -> Result<Axis, Failure> {
+        if values.is_empty() || values.len() > MOST {
+            return Err(Failure::Usage(format!("`{name}` has {} values: 1 to {MOST}", values.len())));
+        }
+        Ok(Axis { name: name.into(), space: Space::List(values), ends: None })
+    }
+
+    /// From one value to another, numbers or quantities: `steps` of them, or anything between.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where there is no way from one to the other.
+    pub fn range(name: &str, ends: [Value; 2], log: bool, steps: Option<u64>) -> Result<Axis, Failure> {
+        let usage = |what: String| Err(Failure::Usage(format!("`{name}` {what}")));
+        let [Some(from), Some(to)] = [ends[0].number(), ends[1].number()] else {
+            return usage("goes from one number or quantity to another".into());
+        };
+        if !(from.is_finite() && to.is_finite() && (to - from).is_finite()) {
+            return usage(format!("goes from {from} to {to}: numbers are wanted"));
+        }
+        if log && !(from * to > 0.0 && (to / from).is_finite()) {
+            return usage(format!("goes from {from} to {to} by ratios: both above 0, or both below"));
+        }
+        let Some(steps) = steps else {
+            return Ok(Axis { name: name.into(), space: Space::Range { from, to, log }, ends: Some(ends) });
+        };
+        if !(2..=MOST as u64).contains(&steps) {
+            return usage(format!("has {steps} steps: 2 to {MOST}"));
+        }
+        let at = |k: u64| if k == steps - 1 { to } else { between(from, to, log, k as f64 / (steps - 1) as f64) };
+        let values = (0..steps).map(|k| Value::Num(at(k))).collect();
+        Ok(Axis { name: name.into(), space: Space::List(values), ends: Some(ends) })
+    }
+
+    /// At `u`, from 0 up to 1.
+    pub fn at(&self, u: f64) -> Value {
+        match &self.space {
+            Space::List(values) => values[((u * values.len() as f64) as usize).min(values.len() - 1)].clone(),
+            Space::Range { from, to, log } => Value::Num(between(*from, *to, *log, u)),
+        }
+    }
+
+    /// A value on it as somebody would write it: of what is drawn or counted between two quantities, six digits and
+    /// their unit.
+    pub fn shown(&self, value: &Value) -> String {
+        let (Value::Num(v), Some([from, to])) = (value, &self.ends) else { return value.shown() };
+        let dim = |end: &Value| match end {
+            Value::Text(t) => quantity::parse(t).ok().filter(|q| q.has_unit).map(|q| q.dim),
+            _ => None,
+        };
+        let unit = dim(from).or_else(|| dim(to)).map(quantity::unit_of).unwrap_or_default();
+        format!("{} {unit}", quantity::Plain(quantity::six(*v))).trim_end().to_owned()
+    }
+
+    /// How many values, where that can be counted.
+    pub fn count(&self) -> Option<u64> {
+        match &self.space {
+            Space::List(values) => Some(values.len() as u64),
+            Space::Range { .. } => None,
+        }
+    }
+
+    /// Whether all of it are numbers.
+    pub fn is_numeric(&self) -> bool {
+        match &self.space {
+            Space::List(values) => values.iter().all(|v| v.number().is_some()),
+            Space::Range { .. } => true,
+        }
+    }
+}
+
+fn between(from: f64, to: f64, log: bool, u: f64) -> f64 {
+    // the same bits on every machine
+    if log { from * libm::pow(to / from, u) } else { from + (to - from) * u }
+}
+
+fn word(parts: &[&[u8]]) -> u64 {
+    let mut hasher = blake3::Hasher::new();
+    for part in parts {
+        hasher.update(part);
+    }
+    let hash = hasher.finalize();
+    hash.as_bytes().first_chunk().map_or(0, |b| u64::from_le_bytes(*b))
+}
+
+/// The seed of a run.
+pub fn seed(scene: &blake3::Hash, seed: u64, index: u64) -> u64 {
+    word(&[scene.as_bytes(), &seed.to_le_bytes(), &index.to_le_bytes()]) >> 1
+}
+
+/// Where a run of this seed lies on the axis of this name, from 0 up to 1.
+pub fn place(seed: u64, name: &str) -> f64 {
+    (word(&[&seed.to_le_bytes(), name.as_bytes()]) >> 11) as f64 * 2f64.powi(-53)
+}

@@ -1,0 +1,335 @@
+//! One scene played many times, each time with other values.
+//!
+//! Decides that a run is a function of the scene, the seed and its number (`axis.rs`), so that any worker may compute any
+//! run, in any order, again or for the first time, and all of them find the same; and that a bad run is a row like any
+//! other, which says what went wrong.
+#![forbid(unsafe_code)]
+
+mod audio;
+mod axis;
+pub mod batch;
+pub mod folder;
+mod measure;
+pub mod plan;
+mod table;
+
+pub use audio::Audio;
+pub use axis::{Axis, Space};
+pub use table::{Column, RunTable};
+
+use ca_compile::Options;
+use ca_io::gesture::Gesture;
+use ca_io::perform::Performance;
+use ca_io::sound::Level;
+use ca_lab::load::{self, Loaded};
+use ca_lab::outcome::Outcome;
+use ca_lab::play::{self, BLOCK, Length};
+use ca_lab::{Failure, bytes};
+use ca_model::Value;
+
+/// Most runs of a sweep.
+const MOST: u64 = 1 << 40;
+
+/// Columns that are not the same every time: the time that a run took.
+pub const TIMES: [&str; 2] = ["run_time", "rtf"];
+/// All other columns that no axis is called by.
+const OWN: [&str; 13] = [
+    "index", "status", "message", "failed", "module", "frames", "peak", "rms", "partial", "t60", "residual", "seed",
+    "scene",
+];
+
+/// The column of an axis: its name, if no other column has it.
+pub fn column(axis: &Axis) -> String {
+    // the last of them are what data sets put beside the columns
+    let taken = OWN.iter().chain(&TIMES).chain(&["file", "audio", "done", "run"]).any(|n| *n == axis.name);
+    if taken { format!("param.{}", axis.name) } else { axis.name.clone() }
+}
+
+/// What is asked of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SweepSpec {
+    /// what is varied
+    pub axes: Vec<Axis>,
+    /// how many runs are drawn; without, every combination of values is played, the last axis first
+    pub runs: Option<u64>,
+    /// where drawing begins
+    pub seed: u64,
+    /// how long each is played \[s\]; without, as its model says
+    pub seconds: Option<f64>,
+    /// sound rate \[Hz\]; that of the model if none
+    pub rate: Option<f64>,
+    /// whether the energy ledger is kept
+    pub energy: bool,
+    /// whether pitch and decay are measured
+    pub measure: bool,
+}
+
+/// A sweep, ready for any of its runs.
+pub struct Sweep {
+    loaded: Loaded,
+    ask: SweepSpec,
+    gesture: Option<Gesture>,
+    hash: blake3::Hash,
+    /// hash of the gesture, if there is one
+    played: Option<String>,
+    runs: u64,
+    channels: usize,
+    rate: f64,
+}
+
+/// What became of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunRow {
+    /// its number
+    pub index: u64,
+    /// its seed
+    pub seed: u64,
+    /// its value on each axis
+    pub values: Vec<Value>,
+    /// `ok`, `clipped`, `unstable`, `refused` (an input had no value) or `invalid` (there is no such scene)
+    pub status: &'static str,
+    /// what went wrong; empty where nothing did
+    pub message: String,
+    /// when it diverged \[s\]
+    pub failed: Option<f64>,
+    /// the module to blame
+    pub module: Option<String>,
+    /// samples of each channel
+    pub frames: u64,
+    /// greatest |sample| before the ceiling; 1 is full scale
+    pub peak: f64,
+    /// root mean square of all samples
+    pub rms: f64,
+    /// strongest partial \[Hz\]
+    pub partial: Option<f64>,
+    /// time in which it falls by 60 dB \[s\]
+    pub t60: Option<f64>,
+    /// energy that the ledger misses, as a share of what there was
+    pub residual: Option<f64>,
+    /// names its scene among machines; empty where there is none
+    pub hash: String,
+    /// time of playing \[s\]
+    pub run_time: f64,
+    /// that over its length
+    pub rtf: f64,
+}
+
+impl Sweep {
+    /// Of a model, whose values stay where no axis varies them.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where the axes make no sense, [`Failure::Found`] where the model has errors as it is.
+    pub fn new(loaded: Loaded, ask: SweepSpec, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
+        for (k, axis) in ask.axes.iter().enumerate() {
+            if ask.axes[..k].iter().any(|a| a.name == axis.name) {
+                return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
+            }
+            varied(axis)?;
+            load::set(&mut loaded.clone(), &axis.name, axis.at(0.0))?;
+            for end in axis.ends.iter().flatten() {
+                measured_so(&loaded, &axis.name, end)?;
+            }
+        }
+        let runs = match ask.runs {
+            Some(n) => Some(n),
+            None => ask.axes.iter().try_fold(1u64, |n, a| Ok::<_, Failure>(n.saturating_mul(counted(a)?))).map(Some)?,
+        };
+        let runs = runs.filter(|n| (1..=MOST).contains(n));
+        let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep has 1 to {MOST} runs")))?;
+        let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
+        // what a gesture cannot drive is said before the first run
+        Performance::new(&scene, gesture.as_ref())?;
+        let (channels, rate) = (scene.channels, scene.rate);
+        let hash = bytes::named(&loaded, rate)?;
+        let played = gesture.as_ref().map(|g| blake3::hash(format!("{g:?}").as_bytes()).to_hex().to_string());
+        Ok(Sweep { loaded, ask, gesture, hash, played, runs, channels, rate })
+    }
+
+    /// How many runs there are.
+    pub fn runs(&self) -> u64 {
+        self.runs
+    }
+
+    /// Sound channels of a run.
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// Sound rate \[Hz\].
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// What was asked.
+    pub fn ask(&self) -> &SweepSpec {
+        &self.ask
+    }
+
+    /// What names the scene among machines.
+    pub fn hash(&self) -> String {
+        self.hash.to_hex().to_string()
+    }
+
+    /// Values of a run, one for each axis.
+    pub fn point(&self, index: u64) -> Vec<Value> {
+        if self.ask.runs.is_some() {
+            let seed = axis::seed(&self.hash, self.ask.seed, index);
+            return self.ask.axes.iter().map(|a| a.at(axis::place(seed, &a.name))).collect();
+        }
+        let mut rest = index;
+        let mut values: Vec<Value> = Vec::new();
+        for a in self.ask.axes.iter().rev() {
+            let n = a.count().unwrap_or(1);
+            values.extend(match &a.space {
+                Space::List(v) => v.get((rest % n) as usize).cloned(),
+                Space::Range { .. } => None,
+            });
+            rest /= n;
+        }
+        values.reverse();
+        values
+    }
+
+    /// Plays a run: its row and its sound, interleaved. `goes_on` is asked now and then.
+    ///
+    /// # Errors
+    /// [`Failure::Stopped`] where `goes_on` says no.
+    pub fn run(&self, index: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(RunRow, Vec<f32>), Failure> {
+        let mut row = RunRow {
+            index,
+            seed: axis::seed(&self.hash, self.ask.seed, index),
+            values: self.point(index),
+            status: "invalid",
+            message: String::new(),
+            failed: None,
+            module: None,
+            frames: 0,
+            peak: 0.0,
+            rms: 0.0,
+            partial: None,
+            t60: None,
+            residual: None,
+            hash: String::new(),
+            run_time: 0.0,
+            rtf: 0.0,
+        };
+        match self.play(&mut row, goes_on) {
+            Ok(sound) => Ok((row, sound)),
+            Err(Failure::Stopped) => Err(Failure::Stopped),
+            Err(e) => {
+                row.message = e.line();
+                Ok((row, Vec::new()))
+            }
+        }
+    }
+
+    fn play(&self, row: &mut RunRow, goes_on: &mut dyn FnMut() -> bool) -> Result<Vec<f32>, Failure> {
+        let mut loaded = self.loaded.clone();
+        for (axis, value) in self.ask.axes.iter().zip(&row.values) {
+            load::set(&mut loaded, &axis.name, value.clone())?;
+        }
+        let options = Options { rate: self.ask.rate, energy: self.ask.energy, ..Options::default() };
+        let scene = loaded.compile(&options)?;
+        row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
+        if (scene.rate, scene.channels) != (self.rate, self.channels) {
+            let what = format!("{} channels at {} Hz", scene.channels, scene.rate);
+            return Err(Failure::Failed(format!(
+                "{what}; all sounds of a sweep have {} at {} Hz",
+                self.channels, self.rate
+            )));
+        }
+        let performance = Performance::new(&scene, self.gesture.as_ref())?;
+        let length = Length::of(&performance, self.ask.seconds);
+        let frames = length.frames;
+        let (channels, n_out) = (scene.channels, scene.n_out);
+        let (mut sound, mut level) = (Vec::new(), Level::new(channels));
+        let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
+        if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
+            return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
+        }
+        let played = play::play(performance, length, BLOCK, &mut |_, rows, _| {
+            let first = sound.len();
+            sound.resize(first + rows.len() / n_out.max(1) * channels, 0.0);
+            level.keep_rows(rows, n_out.max(1), &mut sound[first..]);
+            if goes_on() { Ok(()) } else { Err(Failure::Stopped) }
+        })?;
+        row.frames = played.frames;
+        row.run_time = played.wall.as_secs_f64();
+        row.rtf = row.run_time * scene.rate / played.frames as f64;
+        row.peak = level.peak.iter().copied().fold(0.0, f64::max);
+        row.rms = measure::rms(&sound);
+        // what diverged has no pitch
+        if self.ask.measure && channels > 0 && played.diverged_at.is_none() {
+            let found = measure::measures(&sound, channels, scene.rate);
+            (row.partial, row.t60) = (found.partial, found.t60);
+        }
+        row.residual = played.energy.as_ref().filter(|_| self.ask.energy).map(|b| play::relative(&b.balance()));
+        let Outcome { status, message, failed } =
+            Outcome::of(&played, &level, (&scene, &scene.findings), (&loaded, &options), self.gesture.as_ref());
+        (row.status, row.message) = (status, message);
+        if let Some((time, module)) = failed {
+            (row.failed, row.module) = (Some(time), Some(module));
+        }
+        Ok(sound)
+    }
+
+    /// Rows as columns.
+    pub fn table(&self, rows: &[RunRow]) -> RunTable {
+        let mut columns: Vec<(String, Column)> = Vec::new();
+        let mut add = |name: &str, column: Column| columns.push((name.into(), column));
+        let number = |f: &dyn Fn(&RunRow) -> Option<f64>| Column::Number(rows.iter().map(f).collect());
+        let text = |f: &dyn Fn(&RunRow) -> Option<String>| Column::Text(rows.iter().map(f).collect());
+        add("index", Column::Whole(rows.iter().map(|r| r.index as i64).collect()));
+        for (k, a) in self.ask.axes.iter().enumerate() {
+            add(
+                &column(a),
+                if a.is_numeric() { number(&|r| r.values[k].number()) } else { text(&|r| Some(r.values[k].shown())) },
+            );
+        }
+        add("status", text(&|r| Some(r.status.into())));
+        add("message", text(&|r| Some(r.message.clone())));
+        add("failed", number(&|r| r.failed));
+        add("module", text(&|r| r.module.clone()));
+        add("frames", Column::Whole(rows.iter().map(|r| r.frames as i64).collect()));
+        add("peak", number(&|r| Some(r.peak)));
+        add("rms", number(&|r| Some(r.rms)));
+        if self.ask.measure {
+            add("partial", number(&|r| r.partial));
+            add("t60", number(&|r| r.t60));
+        }
+        if self.ask.energy {
+            add("residual", number(&|r| r.residual));
+        }
+        add("seed", Column::Whole(rows.iter().map(|r| r.seed as i64).collect()));
+        add("scene", text(&|r| Some(r.hash.clone())));
+        add(TIMES[0], number(&|r| Some(r.run_time)));
+        add(TIMES[1], number(&|r| Some(r.rtf)));
+        RunTable { columns }
+    }
+}
+
+/// Whether something may be varied at all.
+fn varied(axis: &Axis) -> Result<(), Failure> {
+    if axis.name != "rate.sound" {
+        return Ok(());
+    }
+    let what = "`rate.sound` cannot be varied: all sounds of a sweep have one rate";
+    Err(Failure::Usage(format!("{what}; make a sweep of each rate")))
+}
+
+/// How many values an axis has, where every combination is played.
+fn counted(axis: &Axis) -> Result<u64, Failure> {
+    axis.count().ok_or_else(|| {
+        let what = format!("`{}` may be anything between two values", axis.name);
+        Failure::Usage(format!("{what}; say how many `runs` are drawn, or how many `steps` it has"))
+    })
+}
+
+/// Whether a quantity is of the kind that a parameter takes: once for a range, of which numbers are drawn.
+fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
+    let mut model = loaded.clone();
+    load::set(&mut model, name, end.clone())?;
+    let Err(mut found) = model.compile(&Options::default()) else { return Ok(()) };
+    found.diags.list.retain(|d| d.code == "E008" && !d.span().is_some());
+    if found.diags.list.is_empty() { Ok(()) } else { Err(Failure::Found(found)) }
+}

@@ -1,0 +1,34 @@
+//! The devices that a scene names, and their ports.
+
+use ca_core::Scene;
+use ca_core::scene::{Input, InputRole};
+use ca_haptic::frame::DOF;
+
+/// The devices a scene names, in order.
+pub fn devices(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for i in scene.inputs.iter().filter(|i| i.role == InputRole::Device) {
+        if let Some((name, _)) = &i.device {
+            if !names.contains(name) {
+                names.push(name.clone());
+            }
+        }
+    }
+    names
+}
+
+/// One more than the highest DOF of a device that a scene uses, of those that a frame has room for.
+pub fn dofs(scene: &Scene, device: &str) -> u32 {
+    let all = of_device(scene, device).filter_map(|i| Some(i.device.as_ref()?.1 + 1)).max();
+    all.unwrap_or(0).min(DOF as u32)
+}
+
+/// The ports of a device that no frame has room for: MIDI and gestures alone move them.
+pub fn beyond<'s>(scene: &'s Scene, device: &'s str) -> impl Iterator<Item = &'s Input> {
+    let far = |i: &&Input| i.device.as_ref().is_some_and(|d| d.1 as usize >= DOF);
+    of_device(scene, device).filter(far)
+}
+
+fn of_device<'s>(scene: &'s Scene, device: &'s str) -> impl Iterator<Item = &'s Input> {
+    scene.inputs.iter().filter(move |i| i.device.as_ref().is_some_and(|d| d.0 == device))
+}

@@ -1,0 +1,70 @@
+//! Gestures from files, as they are named on a command line.
+
+use ca_core::Scene;
+use ca_io::gesture::{Gesture, Track, port_maps};
+use ca_lab::load::{has_extension, ticked};
+use ca_lab::{Failure, catalog};
+use ca_model::select::is_name;
+use std::path::Path;
+
+/// `key=take.wav`, unless there is a file of that very name in `folder`.
+pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a Path) {
+    match text.split_once('=') {
+        Some((port, file)) if !folder.join(text).exists() && is_name(port) => (Some(port), Path::new(file)),
+        _ => (None, Path::new(text)),
+    }
+}
+
+/// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
+/// Remarks on a file are handed to `note`.
+///
+/// # Errors
+/// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
+pub fn open(
+    files: &[String],
+    rate: Option<f64>,
+    scene: &Scene,
+    folder: &Path,
+    note: &mut dyn FnMut(&str),
+) -> Result<Option<Gesture>, Failure> {
+    let ports = port_maps(scene);
+    let mut all = Vec::new();
+    for text in files {
+        let (port, file) = port_and_file(text, folder);
+        let file = &*folder.join(file);
+        // a rate is for arrays; among several files it is theirs alone
+        let array = has_extension(file, "npy") || files.len() == 1;
+        let gesture = if has_extension(file, "mcap") {
+            ca_haptic::take::gesture(file, &catalog())?
+        } else {
+            Gesture::open(file, &ports, rate.filter(|_| array))?
+        };
+        for what in gesture.remarks() {
+            note(&format!("`{}`: {what}", file.display()));
+        }
+        let Some(port) = port else {
+            nameless(gesture.tracks(), scene, file)?;
+            all.push(gesture);
+            continue;
+        };
+        let names = ticked(gesture.tracks().iter().map(Track::name));
+        let what = format!("`{}` has {} tracks, {names}", file.display(), gesture.tracks().len());
+        let one = gesture.named(port);
+        all.push(one.ok_or(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")))?);
+    }
+    Ok(if files.is_empty() { None } else { Some(Gesture::together(all)?) })
+}
+
+/// Refuses a single `ch0` that nobody is called by, with the way to name it.
+fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure> {
+    let [one] = tracks else { return Ok(()) };
+    let drives = |n: &str| scene.inputs.iter().any(|i| i.name == n) || scene.live.params.iter().any(|p| p.name == n);
+    let first = scene.inputs.first().map(|i| &i.name).or(scene.live.params.first().map(|p| &p.name));
+    match first {
+        Some(first) if one.name() == "ch0" && !drives("ch0") => {
+            let what = format!("`{}`: nothing is driven by `ch0`, its only track", file.display());
+            Err(Failure::Usage(format!("{what}; give it to a port, as in `--gesture {first}=FILE`")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,266 @@
+//! A take without a device: hands that move as a gesture says, the engine that serves them, and what it did.
+//!
+//! Decides that a take is made by the real engine, with its guard, from frames as a device sends them: so it replays to
+//! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
+
+use crate::{devices, dofs};
+use ca_compile::Options;
+use ca_core::Scene;
+use ca_core::live::Controls;
+use ca_core::scene::InputRole;
+use ca_haptic::calibration::Calibration;
+use ca_haptic::engine::{self, Change, Engine, EngineCommand, Port, Setup};
+use ca_haptic::equivalence;
+use ca_haptic::frame::{DOF, DeviceFrame};
+use ca_haptic::guard::Order;
+use ca_haptic::profile::Profile;
+use ca_haptic::record::Record;
+use ca_haptic::take::{Finished, Header, TakeWriter};
+use ca_io::gesture::{Gesture, Track};
+use ca_io::perform::{Driven, Performance};
+use ca_lab::load::{self, Loaded};
+use ca_lab::{Failure, bytes, play};
+use ca_model::{Entry, Model, Value, write};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Pictures of the scene a second.
+const VIEWS: f64 = 60.0;
+
+/// How it is played.
+#[derive(Clone, Debug, Default)]
+pub struct RecordOptions {
+    /// how long \[s\]; without, as of any play
+    pub seconds: Option<f64>,
+    /// sound rate \[Hz\]; that of the model if none
+    pub rate: Option<f64>,
+    /// whether the energy ledger is kept
+    pub energy: bool,
+    /// whether forces are armed, as soon as the guard lets them
+    pub forces: bool,
+}
+
+/// A performance of an engine whose devices do what a gesture says.
+struct Stage<'a> {
+    hands: Performance<'a>,
+    engine: Engine,
+    controls: Controls,
+    take: TakeWriter,
+    /// number of the next frame of the devices
+    seq: u64,
+}
+
+/// Plays a model into a take. `goes_on` is called with how many samples of how many there are.
+///
+/// # Errors
+/// [`Failure::Usage`] where something is driven that is no device and no live parameter, [`Failure::Found`] where the
+/// model has errors, [`Failure::Failed`] where the file is there already or cannot be written, and [`Failure::Stopped`];
+/// nothing is left of it then.
+pub fn record(
+    loaded: &Loaded,
+    gesture: Option<&Gesture>,
+    ask: &RecordOptions,
+    path: &Path,
+    goes_on: &mut dyn FnMut(u64, u64) -> bool,
+) -> Result<Finished, Failure> {
+    let (loaded, changes) = &written(loaded)?;
+    let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
+    let scene = Arc::new(loaded.compile(&options)?.scene);
+    let mut hands = Performance::new(&scene, gesture)?;
+    let frames = play::frames(&scene, play::seconds(&hands, ask.seconds));
+    let given = gesture.map_or(&[][..], Gesture::tracks).iter().map(Track::name);
+    let port = |name: &&str| scene.inputs.iter().any(|i| i.name == **name && i.role != InputRole::Device);
+    if let Some(name) = given.into_iter().find(port) {
+        let what = format!("`{name}` is no device");
+        return Err(Failure::Usage(format!("{what}; a take holds what devices did and how live parameters changed")));
+    }
+    let far = hands.hands(0).find_map(|(what, _)| {
+        let Driven::Device(input) = what else { return None };
+        let input = &scene.inputs[input];
+        input.device.as_ref().filter(|d| d.1 as usize >= DOF).map(|d| (&input.name, d.1))
+    });
+    if let Some((name, dof)) = far {
+        let what = format!("`{name}` is degree of freedom {dof}");
+        return Err(Failure::Usage(format!("{what}; a take holds what devices did, which have {DOF} at most")));
+    }
+    let setups: Vec<Setup> = devices(&scene).iter().map(|name| setup(&scene, name)).collect();
+    // nobody else speaks here
+    let own = engine::Options { session: 1, ..engine::Options::default() };
+    let header = Header::new(&loaded.model, changes.clone(), options, &scene, setups.clone(), own);
+    let take = TakeWriter::create(path, &header, &scene)?;
+    let ports = setups.into_iter().map(|s| Port::new(&scene, s)).collect();
+    let (controls, engine) = (scene.controls(), Engine::new(scene.clone(), ports, own));
+    let mut stage = Stage { hands, engine, controls, take, seq: 0 };
+    let done = stage.play(frames, ask.forces, goes_on);
+    let done = done.and_then(|()| Ok(stage.take.finish([0; 3])?));
+    if done.is_err() {
+        let _ = std::fs::remove_file(path);
+    }
+    done
+}
+
+/// The model as a take can hold it: the text of its author, and what was changed since as names and values of `--set`.
+/// Where that is not all of it, a text is written anew, and this is what is played: another text may have another order of
+/// modules, and so other bits.
+fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> {
+    let model = &loaded.model;
+    if !model.text.is_empty() {
+        let mut original =
+            if loaded.is_imported() { Loaded::import(&model.text, &model.file) } else { load::read_again(model) };
+        let changes = changes(&original.model, model);
+        let known = changes.iter().all(|(name, text)| original.model.set(name, text));
+        original.look();
+        // with findings of the reader there are no bytes
+        if known && bytes::bytes(&original).is_ok_and(|a| bytes::bytes(loaded).is_ok_and(|b| a == b)) {
+            return Ok((loaded.clone(), changes));
+        }
+    }
+    // an error in the model is reported as such
+    bytes::bytes(loaded)?;
+    let mut again = Loaded::read(&write::write(model), "model.ca.toml");
+    again.clouds.clone_from(&loaded.clouds);
+    Ok((again, Vec::new()))
+}
+
+/// Values that are others, or were not there.
+fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
+    let mut all = Vec::new();
+    let mut put = |name: String, new: &Value, old: Option<&Value>| {
+        if old != Some(new) {
+            all.push((name, new.shown()));
+        }
+    };
+    let find = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());
+    for (owner, new, old) in [("model", &to.meta, &from.meta), ("rate", &to.rate, &from.rate)] {
+        for e in new {
+            put(format!("{owner}.{}", e.key), &e.value, find(old, &e.key).as_ref());
+        }
+    }
+    let value = |v: Value| match v {
+        Value::Table(entries) => find(&entries, "value"),
+        v => Some(v),
+    };
+    for e in &to.params {
+        if let Some(new) = value(e.value.clone()) {
+            put(e.key.clone(), &new, find(&from.params, &e.key).and_then(value).as_ref());
+        }
+    }
+    for item in &to.items {
+        let old = from.items.iter().find(|i| i.name == item.name).map_or(&[][..], |i| &i.args);
+        for e in &item.args {
+            put(format!("{}.{}", item.name, e.key), &e.value, find(old, &e.key).as_ref());
+        }
+    }
+    all
+}
+
+/// A device of that name: what is shipped of it, else one that nobody has described.
+fn setup(scene: &Scene, name: &str) -> Setup {
+    let mut profile = Profile::shipped(name).or_else(|| Profile::shipped("unknown")).unwrap_or_else(|| unreachable!());
+    profile.dof = profile.dof.max(dofs(scene, name));
+    let gains = equivalence::gains(scene, name);
+    Setup { device: name.into(), profile, calibration: Calibration::default(), gains }
+}
+
+impl Stage<'_> {
+    fn play(&mut self, frames: u64, forces: bool, goes_on: &mut dyn FnMut(u64, u64) -> bool) -> Result<(), Failure> {
+        let scene = self.engine.scene.clone();
+        let every = |rate: f64| (scene.rate / rate / f64::from(scene.ratio)).round().max(1.0) as u64;
+        let (second, view) = (every(1.0), every(VIEWS));
+        if forces {
+            self.order(Order::Arm)?;
+        }
+        while self.engine.due() < frames {
+            self.frame(self.seq.is_multiple_of(view), self.seq.is_multiple_of(second))?;
+            if !goes_on(self.engine.due().min(frames), frames) {
+                return Err(Failure::Stopped);
+            }
+        }
+        Ok(())
+    }
+
+    fn order(&mut self, order: Order) -> Result<(), Failure> {
+        let tick = self.engine.due();
+        self.engine.command(EngineCommand::Order(None, order));
+        Ok(self.take.record(&Record::Order { tick, port: None, order })?)
+    }
+
+    /// One gesture frame.
+    fn frame(&mut self, view: bool, second: bool) -> Result<(), Failure> {
+        let due = self.engine.due();
+        let mut sent: Vec<DeviceFrame> = Vec::new();
+        for p in &self.engine.ports {
+            let mut frame = DeviceFrame::new(&p.name, p.profile.dof as usize);
+            let ns = (due as f64 * self.engine.scene.sample_dt * 1e9) as u64;
+            (frame.session, frame.seq, frame.t_device_ns) = (1, self.seq + 1, ns);
+            // what nobody moves stays where the scene has it
+            for l in &p.links {
+                frame.pos[l.dof] = self.engine.scene.inputs[l.input].rest / l.gains.alpha;
+            }
+            sent.push(frame);
+        }
+        let mut moved: Vec<(usize, usize, f64)> = Vec::new();
+        let mut changes = Vec::new();
+        for (what, value) in self.hands.hands(due) {
+            match what {
+                Driven::Device(input) => {
+                    for (k, (p, frame)) in self.engine.ports.iter().zip(&mut sent).enumerate() {
+                        for l in p.links.iter().filter(|l| l.input == input) {
+                            let at = value / l.gains.alpha;
+                            if moved.iter().any(|m| (m.0, m.1) == (k, l.dof) && m.2 != at) {
+                                let what = format!("`{}` is one hand", p.name);
+                                let why =
+                                    format!("{what} at its degree of freedom {}, and is to be in two places", l.dof);
+                                return Err(Failure::Usage(why));
+                            }
+                            moved.push((k, l.dof, at));
+                            frame.pos[l.dof] = at;
+                        }
+                    }
+                }
+                Driven::Param(name) => changes.push((name.to_owned(), value)),
+                Driven::Port(_) => {}
+            }
+        }
+        for (name, value) in changes {
+            self.set(&name, value)?;
+        }
+        self.seq += 1;
+        for (k, mut frame) in sent.into_iter().enumerate() {
+            self.engine.take(k, &mut frame);
+            self.take.record(&Record::Device { port: k as u32, frame })?;
+        }
+        for (port, frame) in (0..).zip(self.engine.answer()) {
+            self.take.record(&Record::Force { port, frame: *frame })?;
+        }
+        if view {
+            self.take.view(due, &self.engine.state.x)?;
+        }
+        self.take.sound(due, self.engine.finish())?;
+        if second {
+            let (tick, bits) = (self.engine.due(), self.engine.state.bits());
+            self.take.record(&Record::Hash { tick, bits })?;
+            if let Some(ledger) = &self.engine.state.ledger {
+                self.take.record(&Record::Energy { tick, balance: ledger.balance() })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A live parameter where it is not what it should be; clamped, as a signal is.
+    fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
+        let Some(p) = self.controls.params().iter().position(|p| p.name == name) else { return Ok(()) };
+        let param = &self.controls.params()[p];
+        let value = value.max(param.min).min(param.max);
+        if param.value == value {
+            return Ok(());
+        }
+        let patch = self.controls.set(name, value).map_err(|e| Failure::Failed(e.to_string()))?;
+        let tick = self.engine.due();
+        let change = Change { params: vec![(p as u32, value)], patches: vec![patch] };
+        if let Some(retired) = self.engine.command(EngineCommand::Set(Box::new(change))) {
+            self.take.record(&Record::Retired { tick, retired })?;
+        }
+        Ok(())
+    }
+}
