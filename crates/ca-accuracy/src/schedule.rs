@@ -6,13 +6,13 @@
 //! decays to zero or grows. The fastest batch counts, since other programs disturb the others. Passes warm the caches for each
 //! other, so the whole tick is measured too, and the sum of the passes may differ from it.
 
-use crate::timing::Timing;
 use crate::bench;
-use ca_lab::Failure;
+use crate::timing::Timing;
 use ca_compile::cost;
 use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
+use ca_lab::Failure;
 use std::time::{Duration, Instant};
 
 /// Time of play that brings the state into motion \[s\].

@@ -1,8 +1,7 @@
 //! The page of a model and of a take, as `ca report` writes them.
 //!
-//! Decides what is on the page and in which order: first what is wrong, then what is heard, then what explains it, then
-//! the model. Everything that a page can be made of is made into one, also silence, a divergence or a take that was cut
-//! off; the notes of the page say what is not as it should be. How the page looks is decided in `ca-report`.
+//! A page begins with warnings and notes. The sound follows, then its explanation, then the model. Silence, a divergence and a take
+//! that was cut off make a page too. The look of a page is decided in `ca-report`.
 //!
 //! Begin with [`ModelPage::new`], which compiles a model, or with [`take()`], which reads a take.
 //!
@@ -31,7 +30,7 @@ pub use take::take;
 
 use ca_report::{Report, Weight};
 
-/// Whether something on a page is not as meant.
+/// True if a page has a warning.
 pub fn is_degraded(report: &Report) -> bool {
     report.notes.iter().any(|n| n.0 == Weight::Warning)
 }

@@ -2,11 +2,11 @@
 
 use crate::energy::EnergyOverTime;
 use crate::parts::{self, Facts, finished};
+use ca_accuracy::AccuracyOptions;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use ca_accuracy::AccuracyOptions;
 use ca_lab::play::{self, Divergence, Length, lasted};
 use ca_lab::{Failure, Loaded, load};
 use ca_model::quantity::short;

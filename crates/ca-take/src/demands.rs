@@ -9,7 +9,6 @@
 //! largest: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
 //! of the device cannot be played: that is a fault too.
 
-use ca_lab::facts::border::quantity;
 use ca_core::Scene;
 use ca_core::equivalence::Gains;
 use ca_core::kind::Unit;
@@ -18,6 +17,7 @@ use ca_haptic::coupling::{self, Held, Needed, Presented};
 use ca_haptic::engine::Setup;
 use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
+use ca_lab::facts::border::quantity;
 use ca_model::quantity::{short, show};
 
 /// A key against the device, in the units of the hand.

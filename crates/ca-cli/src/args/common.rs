@@ -36,7 +36,7 @@ impl Source {
         Source { model, set: Vec::new(), rate: None, border: None, latency: None, no_feedback: false }
     }
 
-    /// What is changed of the border, as names and values of `--set`.
+    /// Changes of the border, as names and values of `--set`.
     pub fn crossing(&self) -> impl Iterator<Item = (String, String)> {
         let border =
             self.border.map(|b| ("rate.border", if b == Border::Hold { "hold" } else { "linear" }.to_string()));
@@ -66,7 +66,7 @@ pub struct Playing {
     pub gesture_rate: Option<f64>,
 }
 
-/// Where a device is within a gesture frame.
+/// Position of a device within a gesture frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Border {
     /// on a straight line

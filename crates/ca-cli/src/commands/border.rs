@@ -1,4 +1,4 @@
-//! What a hand may expect of a scene, printed: how late force and sound answer, and what its keys ask of a device.
+//! Lines about the border of a scene: delays of force and sound, and the demands of its keys on a device.
 
 use crate::args::Source;
 use crate::outcome::Failure;
@@ -22,7 +22,7 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the keys ask of a device.
+/// Demands of the keys on a device.
 pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     let (d, keys) = (delays(scene), asked(scene));
     let mut lead = "keys       ";

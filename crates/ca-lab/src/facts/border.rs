@@ -1,7 +1,6 @@
-//! What a hand may expect of a scene: how late force and sound answer, and what its keys ask of a device.
+//! The border of a scene in words: delays of force and sound, and the demands of its keys on a device.
 //!
-//! Decides to say it in the same words wherever it is said, and only of what the model settles: the loop of a device
-//! and the buffers of a sound card come on top.
+//! The model settles all of it; the loop of a device and the buffers of a sound card come on top.
 
 use ca_core::Scene;
 use ca_core::border::delays;
@@ -41,7 +40,7 @@ pub fn rates(scene: &Scene) -> String {
     format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
 }
 
-/// What is said behind a sound rate of a sample of so many ticks.
+/// Number of ticks in a sample, as the end of a sentence; empty for one.
 pub fn ticks(times: u32) -> String {
     if times > 1 { format!(" in {times} ticks a sample") } else { String::new() }
 }
@@ -62,13 +61,13 @@ fn rendered_keys(scene: &Scene) -> Vec<&Key> {
     keys
 }
 
-/// What the keys ask of a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
+/// Demands of the keys on a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
 pub fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
     let (d, keys) = (delays(scene), rendered_keys(scene));
     keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
 }
 
-/// How a key with a scale of its own differs from the others, for people.
+/// Difference between a key with another scale and the other keys.
 pub fn scale_of(k: &Scale) -> String {
     let (g, h) = (short(k.position), short(k.force));
     if k.is_lever() {
@@ -81,7 +80,7 @@ pub fn scale_of(k: &Scale) -> String {
     )
 }
 
-/// What a spring of the model on this key is in the hand.
+/// Stiffness in the hand of the springs on a key \[N/m\].
 fn felt_as(scene: &Scene, key: &Key) -> f64 {
     key.k * scene.equivalence.of(&key.name).stiffness()
 }

@@ -1,4 +1,4 @@
-//! What is proven of the stability of a scene, in words.
+//! The proof of stability of a scene in words.
 
 use crate::load::ticked;
 use ca_core::kind::Unit;
@@ -40,7 +40,7 @@ pub fn opened(c: &Certificate) -> Option<String> {
         .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 
-/// What the energy of a linearised scene may do, in words.
+/// Motion of the energy of a linearised scene.
 pub fn rippling(ripple: f64) -> String {
     format!(
         "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",

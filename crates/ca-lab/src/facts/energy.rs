@@ -1,4 +1,4 @@
-//! What the energy ledger says of a scene, in words.
+//! The energy ledger of a scene in words.
 
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
@@ -11,7 +11,7 @@ pub fn joule(v: f64) -> String {
     format!("{} J", short(v + 0.0))
 }
 
-/// How a model could grow though its links made no energy to speak of, as the end of a sentence.
+/// Reason for the growth of a model whose links made hardly any energy, as the end of a sentence.
 pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     let b = ledger.balance();
     let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
@@ -27,7 +27,7 @@ pub fn compensated(scene: &Scene) -> bool {
     scene.slow.as_ref().is_some_and(|g| g.compensated)
 }
 
-/// The links that made most energy, so many of them, most first.
+/// The links that made most energy, at most `most` of them, in falling order.
 pub fn makers(scene: &Scene, ledger: &Ledger, most: usize) -> Vec<(String, f64)> {
     let mut made: Vec<(usize, f64)> =
         ledger.scheme_error.iter().copied().enumerate().filter(|(_, v)| *v > 0.0).collect();

@@ -1,4 +1,4 @@
-//! How loud a sound is, in words.
+//! Levels of a sound in words.
 
 use crate::play::gain;
 use ca_model::quantity::short;
@@ -6,10 +6,10 @@ use ca_model::quantity::short;
 /// A peak from which on the loudness is not the question, 40 dB over full scale.
 pub const FAR: f64 = 100.0;
 
-/// A peak below which nobody hears anything at any gain, 200 dB below full scale.
+/// A peak that no gain makes audible, 200 dB below full scale.
 pub const SILENT: f64 = 1e-10;
 
-/// What would make the loudest sample fit, as the end of a sentence.
+/// The gain at which the loudest sample fits, as the end of a sentence.
 pub fn fitting(peak: f64) -> String {
     format!("; multiply the gain of the outputs by {} or less", short(gain(peak)))
 }
@@ -20,7 +20,7 @@ pub fn too_loud(n: u64) -> String {
     format!("{samples} beyond full scale, cut off")
 }
 
-/// An amplitude, of which 1 is full scale, in decibels.
+/// Level of an amplitude in decibels of full scale.
 pub fn decibel(peak: f64) -> f64 {
     20.0 * peak.log10()
 }

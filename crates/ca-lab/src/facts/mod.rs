@@ -8,7 +8,7 @@ pub mod level;
 
 use ca_core::Scene;
 
-/// How many modules of each code run, in order of first appearance.
+/// Number of running modules of each code, in order of first appearance.
 pub fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
     let mut list: Vec<(&'static str, usize)> = Vec::new();
     for s in &scene.symbols {

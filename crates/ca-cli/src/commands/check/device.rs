@@ -3,9 +3,9 @@
 use crate::load::ticked;
 use crate::outcome::Failure;
 use ca_core::kind::Unit;
-use ca_take::demands::{DeviceDemands, newton};
 use ca_lab::facts::border::quantity;
 use ca_model::quantity::{short, show, six};
+use ca_take::demands::{DeviceDemands, newton};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 

@@ -16,13 +16,13 @@ use crate::term;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_core::scene::certificate::Level;
-use ca_take::demands::DeviceDemands;
 use ca_lab::facts::border::{crossing, rates};
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
 use ca_lab::facts::{codes, inputs};
 use ca_lab::watch::{LOOK, Watch};
 use ca_model::quantity::{Plain, short};
 use ca_model::{quantity, render};
+use ca_take::demands::DeviceDemands;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 

@@ -9,10 +9,10 @@ use crate::{load, outputs, term};
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
-use ca_take::account::Account;
 use ca_lab::catalog;
 use ca_model::plain::plain;
 use ca_model::quantity::short;
+use ca_take::account::Account;
 use serde_json::{Value, json};
 use std::io::Write;
 
