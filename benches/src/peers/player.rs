@@ -99,7 +99,7 @@ impl Player for Engine {
         self.blocks(ticks, |out| {
             std::hint::black_box(out);
         });
-        Ok((processor() - begin).as_nanos() as f64)
+        Ok(processor().saturating_sub(begin).as_nanos() as f64)
     }
 }
 

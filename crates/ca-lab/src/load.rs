@@ -26,7 +26,6 @@ pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
 }
 
-
 /// Whether a path has this extension, whatever its case.
 pub fn has_extension(path: &Path, ext: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ext))

@@ -142,7 +142,7 @@ impl Performance {
         let values = values.into_iter().map(|(name, value)| (name, Given::Text(value))).collect();
         let (tell, reply) = channel();
         let sent = locked(&self.requests).send((Request::Set { values }, tell));
-        let answer = sent.ok().and_then(|()| py.detach(|| reply.recv_timeout(ANSWER).ok()));
+        let answer = sent.ok().and_then(|()| py.detach(move || reply.recv_timeout(ANSWER).ok()));
         match answer {
             Some(Reply { ok: true, text, .. }) => Ok(text),
             Some(reply) => Err(error::usage(py, &reply.text)),
