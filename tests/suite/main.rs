@@ -9,10 +9,10 @@ mod methods;
 mod models;
 mod outside;
 mod pages;
-mod play;
 mod rates;
 mod skipped;
 mod space;
 mod state;
 
 use ca_benches::acoustics;
+use ca_conformance::play;

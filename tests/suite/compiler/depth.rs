@@ -1,8 +1,8 @@
 //! The depth at which slope·T²/m of a contact by a power law is 1 (docs/numerics.md §3.2).
 
 use super::thresholds::link;
-use crate::laws::conformance::drawn::catalog;
 use ca_compile::{Options, compile};
+use ca_conformance::drawn::catalog;
 use ca_model::read;
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
 //! Every number that a finding of the compiler states, from both sides: a thousandth below it nothing is said, a thousandth
 //! above it the finding is there. A limit that moves is seen, whichever way it goes.
 
-use crate::laws::conformance::drawn::catalog;
 use ca_compile::{Options, compile};
+use ca_conformance::drawn::catalog;
 use ca_core::kind::{Kind, Role, Type, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Value, read};

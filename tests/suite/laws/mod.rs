@@ -1,6 +1,5 @@
-//! Laws of interaction: conformance of each, closed forms, LPR.
+//! Laws of interaction: closed forms, LPR. `tests/conformance` has the promises of all records.
 
-pub mod conformance;
 mod lpr;
 mod pluck;
 pub mod references;

@@ -24,7 +24,7 @@ pub struct Listed {
 }
 
 pub fn kind(i: &Item) -> &'static Kind {
-    crate::laws::conformance::drawn::catalog().get(&i.kind).unwrap_or_else(|| panic!("no kind {}", i.kind))
+    ca_conformance::drawn::catalog().get(&i.kind).unwrap_or_else(|| panic!("no kind {}", i.kind))
 }
 
 /// The parameters of a module in the order of its record; tables are put aside and called by number.

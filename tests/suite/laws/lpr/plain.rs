@@ -2,9 +2,9 @@
 //! length, and what its outputs hear.
 
 use super::FS;
-use crate::laws::conformance::drawn::{args, built, laws};
 use crate::play::{Random, apart, mat, model, scene, with, within};
 use ca_compile::Options;
+use ca_conformance::drawn::{args, built, laws};
 use ca_core::{compute_forces, integrate, tick};
 use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;

@@ -1,29 +1,39 @@
-//! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: what the numerical
-//! tests share. `CA_TOL=0 cargo test $ALL --test suite -- --nocapture` prints every residual beside its tolerance.
+//! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: shared by
+//! the numerical tests. `CA_TOL=0 cargo test $ALL --test suite -- --nocapture` prints every residual beside its tolerance.
 
+use crate::models::catalog;
 use ca_compile::Compiled;
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::Scene;
 use ca_model::{Model, read, render};
-use ca_tests::catalog;
 use serde_json::Value;
 use std::sync::OnceLock;
 
+/// 2π.
 pub const TURN: f64 = std::f64::consts::TAU;
+/// π.
 pub const PI: f64 = std::f64::consts::PI;
 
-/// The model in `text`, which must read without errors.
+/// The model in `text`.
+///
+/// # Panics
+/// If it has errors.
 pub fn model(text: &str) -> Model {
     let (model, diags) = read::read(text, "test.ca.toml", &catalog());
     assert!(!diags.has_errors(), "{text}\n{}", render::text(&diags, &model, false));
     model
 }
 
+/// The model in `text`, compiled with these options.
+///
+/// # Panics
+/// If it has errors.
 pub fn with(text: &str, options: &Options) -> Compiled {
     let model = model(text);
     compile(&model, &catalog(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
 }
 
+/// The model in `text`, compiled.
 pub fn scene(text: &str) -> Compiled {
     with(text, &Options::default())
 }
@@ -39,6 +49,9 @@ pub fn reference() -> Options {
 }
 
 /// Place of the MAT `name` in the state.
+///
+/// # Panics
+/// If there is none.
 pub fn mat(scene: &Scene, name: &str) -> usize {
     (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
 }
@@ -49,19 +62,28 @@ pub fn mats(scene: &Scene, name: &str) -> Vec<usize> {
 }
 
 /// A reference case by the start of its id.
+///
+/// # Panics
+/// If there is none.
 pub fn case(id: &str) -> &'static Value {
     static CASES: OnceLock<Value> = OnceLock::new();
-    let all = CASES.get_or_init(|| serde_json::from_str(include_str!("../data/numerics_cases.json")).expect("JSON"));
+    let all = CASES.get_or_init(|| serde_json::from_str(include_str!("../../data/numerics_cases.json")).expect("JSON"));
     let found = |c: &&Value| c["id"].as_str().is_some_and(|i| i.starts_with(id));
     all["cases"].as_array().and_then(|c| c.iter().find(found)).unwrap_or_else(|| panic!("no case {id}"))
 }
 
 /// A number of a case; the path walks keys and indices, parted by `/`.
+///
+/// # Panics
+/// If there is none.
 pub fn num(case: &Value, path: &str) -> f64 {
     case.pointer(&format!("/{path}")).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number {path}"))
 }
 
 /// The rows of a table of a case.
+///
+/// # Panics
+/// If there is none.
 pub fn rows(case: &Value, path: &str) -> Vec<Vec<f64>> {
     let array = |v: &Value| v.as_array().cloned().unwrap_or_default();
     let table = array(case.pointer(&format!("/{path}")).expect("a table"));
@@ -69,12 +91,18 @@ pub fn rows(case: &Value, path: &str) -> Vec<Vec<f64>> {
 }
 
 /// The numbers of a list of a case.
+///
+/// # Panics
+/// If there is none.
 pub fn list(case: &Value, path: &str) -> Vec<f64> {
     let v = case.pointer(&format!("/{path}")).and_then(Value::as_array).expect("a list");
     v.iter().filter_map(Value::as_f64).collect()
 }
 
-/// Asserts `residual` ≤ `tolerance`; what is not a number fails.
+/// Asserts `residual` ≤ `tolerance`; NaN fails.
+///
+/// # Panics
+/// If it is above.
 #[track_caller]
 pub fn within(what: &str, residual: f64, tolerance: f64) {
     if std::env::var_os("CA_TOL").is_some() {
@@ -89,12 +117,18 @@ pub fn off(value: f64, reference: f64) -> f64 {
 }
 
 /// Largest absolute difference of two columns.
+///
+/// # Panics
+/// If their lengths differ.
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |m, v| if v.is_nan() { f64::NAN } else { v.max(m) })
 }
 
 /// ‖a − b‖ / ‖b‖.
+///
+/// # Panics
+/// If their lengths differ.
 pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let square = |v: f64| v * v;
@@ -106,6 +140,7 @@ pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
 pub struct Random(pub u64);
 
 impl Random {
+    /// The next number.
     pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

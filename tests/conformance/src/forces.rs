@@ -1,6 +1,6 @@
 //! Forces of every law: action and reaction, bounds, passivity, and the energy of each.
 
-use super::drawn::{Loaded, built, laws, only_resists, pair, ways};
+use crate::drawn::{Loaded, built, laws, only_resists, pair, ways};
 use crate::play::{Random, mat};
 use ca_compile::Options;
 use ca_core::tick;

@@ -1,6 +1,6 @@
 //! Every form of a law, batch or run or single link, computes the same.
 
-use super::drawn::{MASSES, built, row, ways};
+use crate::drawn::{MASSES, built, row, ways};
 use crate::play::{Random, mat, reference};
 use ca_compile::Options;
 use ca_core::tick;

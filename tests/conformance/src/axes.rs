@@ -1,7 +1,7 @@
 //! In space, along one direction, every law does what it does on a line; along an axis of space it does so in every
 //! bit but those of the square root.
 
-use super::drawn::{args, built, held, laws};
+use crate::drawn::{args, built, held, laws};
 use crate::play::{Random, mat, model, within};
 use ca_compile::Options;
 use ca_core::kind::Kind;

@@ -1,6 +1,7 @@
 //! Kinds with drawn parameters, compiled: what the other files hold to their promises.
 
-use super::felt;
+use crate::felt;
+use crate::models;
 use crate::play::{Random, model};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
@@ -12,23 +13,30 @@ use ca_model::{Entry, Model, Value, read, render};
 
 /// All kinds there are, and one of our own.
 pub fn catalog() -> Catalog {
-    ca_tests::catalog().with(&[&felt::KIND])
+    models::catalog().with(&[&felt::KIND])
 }
 
 /// Name and text of every model there is, and of that kind's example.
 pub fn texts() -> Vec<(String, String)> {
-    let mut all = ca_tests::texts();
+    let mut all = models::texts();
     all.push((format!("example of {}", felt::KIND.code), felt::KIND.example.into()));
     all
 }
 
-/// The model in `text`, which must read without errors.
+/// The model in `text`, of the kinds of [`catalog`].
+///
+/// # Panics
+/// If it has errors.
 pub fn read(text: &str) -> Model {
     let (model, diags) = read::read(text, "test.ca.toml", &catalog());
     assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
     model
 }
 
+/// All laws, with their kinds.
+///
+/// # Panics
+/// If there are fewer than 12.
 pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     let list: Vec<_> =
         catalog().iter().filter_map(|k| if let Role::Lia(l) = k.role { Some((k, l)) } else { None }).collect();
@@ -36,7 +44,10 @@ pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     list
 }
 
-/// Every kind by every method it has, the explicit one first.
+/// Every law by every method it has, the explicit one first.
+///
+/// # Panics
+/// If there are fewer than six methods besides the explicit one.
 pub fn ways() -> Vec<(&'static Kind, &'static str)> {
     let words = |k: &Kind| match k.param("method").map(|i| k.params[i].ty) {
         Some(Type::Choice(words)) => words,
@@ -59,6 +70,9 @@ fn by(way: &str, args: &mut Vec<Entry>) {
 }
 
 /// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
+///
+/// # Panics
+/// If no size is known for the unit.
 pub fn written(unit: Unit, (min, max): (f64, f64), rng: &mut Random) -> f64 {
     let u = 0.5 * (rng.uniform() + 1.0);
     let size = |lo: i32, hi: i32| 10f64.powf(f64::from(lo) + u * f64::from(hi - lo));
@@ -155,20 +169,30 @@ pub fn pair(kind: &Kind, way: &str, rng: &mut Random) -> Model {
     m
 }
 
+/// Compiles a model with the kinds of [`catalog`].
+///
+/// # Panics
+/// If it has errors.
 pub fn built(m: &Model, options: &Options) -> Compiled {
     compile(m, &catalog(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_model::write::write(m)))
 }
 
 /// A law with its coefficients, memory and tables, taken from a compiled scene.
 pub struct Loaded {
+    /// the law
     pub law: &'static Law,
+    /// coefficients
     pub c: Vec<f64>,
+    /// memory
     pub mem: Vec<f64>,
+    /// tables of the scene
     pub tables: Vec<Table>,
+    /// the model in text
     pub named: String,
 }
 
 impl Loaded {
+    /// A link with drawn parameters.
     pub fn new(kind: &Kind, rng: &mut Random) -> Loaded {
         let m = pair(kind, "ca", rng);
         let mut l = Loaded::first(&built(&m, &Options::default()));
@@ -176,6 +200,9 @@ impl Loaded {
         l
     }
     /// The first link of a scene.
+    ///
+    /// # Panics
+    /// If it has no link.
     pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
         let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
@@ -186,12 +213,15 @@ impl Loaded {
         l.start(0.0);
         l
     }
+    /// Starts at the elongation `e` \[m\].
     pub fn start(&mut self, e: f64) {
         (self.law.fns.start)(&self.c, [e, 0.0], &mut self.mem);
     }
+    /// The force \[N\] at the elongation `e` after a step of `w` \[m\].
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
         (self.law.fns.force)(&self.c, &mut self.mem, &self.tables, e, w)
     }
+    /// The energy \[J\] at the elongation `e`.
     pub fn stored(&self, e: f64) -> f64 {
         (self.law.fns.energies.stored)(&self.c, &self.mem, &self.tables, e, e)
     }

@@ -1,13 +1,13 @@
 //! The records themselves: complete, with an example that sounds and names that are known.
 
-use super::drawn::{built, catalog, read as model, texts};
+use crate::drawn::{built, catalog, read as model, texts};
+use crate::models::gesture;
 use ca_compile::Options;
 use ca_core::SOURCES;
 use ca_core::kind::{Need, Type};
 use ca_core::scene::Location;
 use ca_core::tick;
 use ca_model::{read, render};
-use ca_tests::gesture;
 
 #[test]
 fn every_record_is_complete() {

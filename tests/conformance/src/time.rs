@@ -1,11 +1,11 @@
 //! What goes on: live changes, snapshots, blocks.
 
-use super::drawn::{built, catalog, read as model, texts};
+use crate::drawn::{built, catalog, read as model, texts};
+use crate::models::gesture;
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::kind::Type;
 use ca_core::{State, process, tick};
 use ca_model::{Entry, Model, Value, quantity};
-use ca_tests::gesture;
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
 fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f64)> {

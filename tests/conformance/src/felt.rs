@@ -7,17 +7,13 @@
 //! Equation: n = d − e (sense "outside"), L = k n + q max(n − b, 0), m = largest n since touch;
 //! F = −L (r + (1 − r) n/m) + z w while n > 0, with `z` while closing and `zo` while opening.
 
-use super::drawn::{built, read};
-use crate::play::{apart, mat, within};
-use ca_compile::Options;
 use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use ca_core::law::{Bound, Phi};
 use ca_core::numeric::{Real, Table};
 use ca_core::op::Law;
 use ca_core::phi::{ALONG, BETWEEN, PAIRS};
-use ca_core::tick;
-use ca_model::Model;
 
+/// Its record.
 pub static KIND: Kind = Kind {
     code: "FELT",
     title: "felt (contact with hysteresis)",
@@ -118,64 +114,4 @@ impl Phi<9, 2> for Felt {
         // on the way back the curve ends with up to 2 − r times the slope of the loading curve
         Bound { k: (k + q) * (2.0 - r), z: closing.max(opening), contact: true, ..Bound::default() }
     }
-}
-
-/// A ball that a spring brings back to a felt again and again, on a line or in space along `x`.
-fn bounces(space: bool) -> Model {
-    let at = |v: f64| if space { format!("[{v}, 0, 0]") } else { format!("{v}") };
-    let dim = if space { 3 } else { 1 };
-    read(&format!(
-        "[room]\ndim = {dim}\n[room.SOL]\nwall = {{}}\nfar = {{ x = {} }}\n[room.MAS]\nball = {{ m = 0.01, x = {}, v = {} }}\n\
-         [FELT]\nblow = {{ between = [\"room.wall\", \"room.ball\"], k = 2e4, q = 1e4, b = 1e-4, d = 0.1, r = 0.3 }}\n\
-         [RES]\nback = {{ between = [\"room.ball\", \"room.far\"], k = 100, l0 = 0.104 }}\n",
-        at(0.2),
-        at(0.104),
-        at(-0.4),
-    ))
-}
-
-/// What remembers learns that it is let go where its ends are too far apart to touch: each blow begins anew.
-#[test]
-fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
-    let run = |space: bool| {
-        let scene = built(&bounces(space), &Options { energy: true, ..Options::default() });
-        let (mut s, ball) = (scene.state(), mat(&scene, "room.ball"));
-        let (mut path, mut blows) = (Vec::new(), 0);
-        for _ in 0..20_000 {
-            let pressed = s.mem[0] > 0.0;
-            tick(&scene, &mut s);
-            blows += u32::from(!pressed && s.mem[0] > 0.0);
-            path.push(s.x[ball]);
-        }
-        assert!(blows >= 3, "{blows} blows");
-        let b = s.ledger.as_ref().expect("asked for").balance();
-        within("the accounts of the blows", b.residual.abs() / b.peak, 1e-12);
-        path
-    };
-    within("in space as on a line", apart(&run(true), &run(false)), 1e-12);
-}
-
-/// The finding of a contact pressed at load has its force; nothing is assumed of what it remembers.
-#[test]
-fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
-    let text = "[MAS]\nlow = { m = 1 }\nhigh = { m = 1, x = -1e-3 }\n[FELT]\npress = { between = [\"low\", \"high\"], \
-                k = 2000 }\n[SOX]\nout = { from = \"low\" }\n";
-    let scene = built(&read(text), &Options::default());
-    let found: Vec<_> = scene.findings.list.iter().map(|d| d.title.as_str()).collect();
-    assert_eq!(found, ["`press` presses at load, with 2 N"]);
-    assert_eq!(scene.state().mem, [1e-3, 0.0]);
-}
-
-/// Between two sets in space it stays a link for each pair, since each pair remembers its own contact.
-#[test]
-fn a_set_of_contacts_with_memory_is_its_pairs() {
-    let grains: Vec<_> = (0..6).map(|i| format!("g{i} = {{ m = 1, x = [{}, 0, 0] }}\n", 0.01 * f64::from(i))).collect();
-    let grains = grains.concat();
-    let names = (0..6).map(|i| format!("\"r.g{i}\"")).collect::<Vec<_>>().join(", ");
-    let text = format!(
-        "[r]\ndim = 3\n[r.MAS]\n{grains}[FELT]\nall = {{ between = [[{names}], [{names}]], pairs = \"all\", k = 10, \
-         d = 0.011 }}\n[SOX]\nout = {{ from = \"r.g0\", along = \"x\" }}\n"
-    );
-    let scene = built(&read(&text), &Options::default());
-    assert_eq!((scene.n_lia, scene.n_mem), (15, 30));
 }
