@@ -11,19 +11,18 @@
 // and what Python hands over comes by value
 #![allow(clippy::needless_pass_by_value)]
 
-mod batch;
 mod command;
 mod error;
 mod fit;
 mod gesture;
 mod gradient;
+mod many;
 mod measure;
 mod model;
 mod play;
 mod render;
 mod scene;
 mod sim;
-mod sweep;
 mod take;
 mod wait;
 
@@ -34,13 +33,15 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use crate::batch::play;
-    #[pymodule_export]
     use crate::command::command;
     #[pymodule_export]
     use crate::gesture::Gesture;
     #[pymodule_export]
     use crate::gradient::{Checkpoints, Energy, Forward, Reverse};
+    #[pymodule_export]
+    use crate::many::batch::play;
+    #[pymodule_export]
+    use crate::many::sweep::Sweep;
     #[pymodule_export]
     use crate::measure::quantity;
     #[pymodule_export]
@@ -51,8 +52,6 @@ mod _core {
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::sim::Sim;
-    #[pymodule_export]
-    use crate::sweep::Sweep;
     #[pymodule_export]
     use crate::take::Take;
 

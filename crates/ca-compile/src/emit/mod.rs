@@ -3,13 +3,11 @@
 pub mod cost;
 pub mod cutoff;
 mod driven;
-pub mod implicit;
 pub mod masses;
+pub mod methods;
 pub mod milib;
 pub mod ordering;
-pub mod oversample;
 pub mod pass_list;
-pub mod pefrl;
 pub mod penetration;
 pub mod plan;
 pub mod points;

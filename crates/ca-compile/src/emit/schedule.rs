@@ -3,11 +3,11 @@
 use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
 use crate::emit::masses::{Masses, masses, weigh};
+use crate::emit::methods::oversample::oversample;
+use crate::emit::methods::pefrl;
 use crate::emit::milib;
 use crate::emit::ordering::Storage;
-use crate::emit::oversample::oversample;
 use crate::emit::pass_list;
-use crate::emit::pefrl;
 use crate::emit::plan::Plan;
 use crate::emit::points::{self, Points, points};
 use crate::emit::rows::fold::fold;

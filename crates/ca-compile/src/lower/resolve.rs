@@ -4,9 +4,10 @@
 use crate::MOST_MODES;
 use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
-use crate::lower::port::port;
+use crate::lower::ports::gesture;
+use crate::lower::ports::port::port;
 use crate::lower::values::Values;
-use crate::lower::{equivalence, gesture, params, rates, requirements, space};
+use crate::lower::{equivalence, params, rates, requirements, space};
 use crate::net::{MatNode, MatRole, NetItem, Resolved};
 use crate::options::Options;
 use alloc::collections::{BTreeMap, BTreeSet};

@@ -26,7 +26,6 @@ mod recover;
 mod replay;
 mod source;
 mod summary;
-mod views;
 mod write;
 
 pub use flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
@@ -38,8 +37,7 @@ pub use recover::{Recovered, recover};
 pub use replay::{Difference, Replay, ReplayVerdict};
 pub use source::End;
 pub use summary::{Fault, Summary, Topic};
-pub use views::Level;
-pub use write::{Finished, TakeWriter};
+pub use write::{Finished, Level, TakeWriter};
 
 /// The layout that goes with every take, for Foxglove and Lichtblick.
 const LAYOUT: &str = include_str!("../../layouts/ca-foxglove.json");

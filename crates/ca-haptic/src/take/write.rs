@@ -10,10 +10,10 @@
 //! file is never overwritten, and an unfinished one is never removed.
 
 mod channels;
+mod views;
 
 use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
-use super::views::{self, Level, Picture};
 use super::{cdr, next, options};
 use crate::engine::Retired;
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
@@ -31,6 +31,8 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+pub use views::Level;
+use views::Picture;
 
 /// Length of a block of sound \[s\].
 const BLOCK: f64 = 0.04;

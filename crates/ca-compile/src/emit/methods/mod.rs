@@ -1,0 +1,5 @@
+//! Passes of methods: implicit links, `pefrl`, ticks between two samples.
+
+pub mod implicit;
+pub mod oversample;
+pub mod pefrl;

@@ -1,0 +1,4 @@
+//! Models played many times: batches and sweeps.
+
+pub mod batch;
+pub mod sweep;
