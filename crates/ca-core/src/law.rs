@@ -6,7 +6,7 @@
 //! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
 //! homogeneous pass vectorises.
 
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 use core::ops::{Add, Mul, Sub};
 
 /// What a linear law is computed in: a number, or a vector of them with a link in each lane.
@@ -98,7 +98,7 @@ pub trait Phi<const C: usize, const M: usize> {
 
     /// Memory at load, for elongation `e`.
     fn start<R: Real>(_c: &[R; C], _e: R) -> [R; M] {
-        [real(0.0); M]
+        [R::ZERO; M]
     }
 
     /// The force \[N\], F > 0 pulls the ends together.
@@ -107,7 +107,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// Potential energy \[J\] at elongation `e`. This, `stored` and `lost` get the memory as the force of the tick left it.
     #[inline(always)]
     fn potential<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: R) -> R {
-        real(0.0)
+        R::ZERO
     }
 
     /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
@@ -122,7 +122,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// that tick, which such a law remembers.
     #[inline(always)]
     fn lost<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: [R; 3]) -> R {
-        real(0.0)
+        R::ZERO
     }
 
     /// Linear bounds, for the certificate.

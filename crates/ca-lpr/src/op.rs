@@ -11,14 +11,14 @@
 
 use ca_core::State;
 use ca_core::law::Phi;
-use ca_core::numeric::{Real, real};
+use ca_core::numeric::Real;
 use ca_core::op::layout::Layout;
 use ca_core::op::links::measure::{Line, Measure, Radial};
 use ca_core::op::{Form, Kernel, MeasureKind, Op};
 
 /// What a port on a line needs beside its ends.
 fn nowhere<R: Real>() -> [R; 4] {
-    [real(0.0); 4]
+    [R::ZERO; 4]
 }
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
@@ -40,7 +40,7 @@ pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const 
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
         // a port on a line keeps no length
-        let mut none = real(0.0);
+        let mut none = R::ZERO;
         let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
         let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &nowhere }, last);
         let last = if B::SPACE { &mut lengths[far_length + i] } else { &mut none };

@@ -18,7 +18,7 @@
 //! and made a spring across a negative damper of higher order; by the parabola it is a positive one. Energy is not kept:
 //! the ledger has an account of it.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::op::substep::phase;
@@ -37,7 +37,7 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     } else if j == 1 {
         if COMPENSATED {
             let made = expect(layout, &mut slow);
-            s.ledger.iter_mut().for_each(|l| l.border += real(made));
+            s.ledger.iter_mut().for_each(|l| l.border += R::Outer::of(made));
         }
         step::<R, COMPENSATED>(group, layout, s, &mut slow);
     }
@@ -51,12 +51,12 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     let whole = j == 0 || j == layout.frame;
     for (k, (p, b)) in group.ports.iter().zip(&slow.ports).enumerate() {
         let (m, at) = (p.at as usize, if whole { b.to } else { b.from + part * (b.to - b.from) });
-        let x = real(at);
+        let x = R::of(at);
         // as far as anyone can tell, it came to where it is at load as it goes on
-        s.d[m] = if j == 0 { slow.state.d[p.own as usize] * real(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
+        s.d[m] = if j == 0 { slow.state.d[p.own as usize] * R::of(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
         s.x[m] = x;
         if k < group.coupled {
-            s.f[m] = real(0.0);
+            s.f[m] = R::ZERO;
         }
     }
     s.slow = Some(slow);
@@ -66,7 +66,7 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
 pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
-        b.force = wide(s.f[p.at as usize]);
+        b.force = s.f[p.at as usize].wide();
     }
     if COMPENSATED {
         let weight = match phase(layout.frame, s.tick) {
@@ -96,7 +96,7 @@ fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
 /// Where a place of the group is at the end of the frame.
 fn end<R: Real>(slow: &SlowState<R>, p: Copied) -> f64 {
     let m = p.own as usize;
-    wide(slow.state.x[m]) - 0.5 * wide(slow.state.d[m])
+    slow.state.x[m].wide() - 0.5 * slow.state.d[m].wide()
 }
 
 /// Its places were written: the copies begin the next frame where it is now, held by nothing across.
@@ -112,7 +112,7 @@ pub fn placed<R: Real>(group: &SlowGroup<R>, slow: &mut SlowState<R>) {
 /// The copies that are only looked at.
 fn show<R: Real>(group: &SlowGroup<R>, slow: &SlowState<R>, s: &mut State<R>) {
     for p in &group.shown {
-        s.x[p.at as usize] = real(end(slow, *p));
+        s.x[p.at as usize] = R::of(end(slow, *p));
     }
 }
 
@@ -158,14 +158,14 @@ fn couple<R: Real, const COMPENSATED: bool>(
         let mut force = row[0] + half * ports[i].force;
         for (weights, at) in row[1..].chunks_exact(2).zip(&response.places) {
             let at = *at as usize;
-            force += weights[0] * wide(s.x[at]) + weights[1] * wide(s.d[at]);
+            force += weights[0] * s.x[at].wide() + weights[1] * s.d[at].wide();
         }
         if COMPENSATED {
             force += unknown[i].expected;
         }
         let m = p.own as usize;
-        let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(wide);
-        let [p, q, c] = [0, n, 2 * n].map(|first| wide(state.coef[first + m]));
+        let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(R::wide);
+        let [p, q, c] = [0, n, 2 * n].map(|first| state.coef[first + m].wide());
         // half of it is the motion before, half that which the scheme makes of all these forces
         free[i] = 0.5 * (d + p * d + q * x + c * (f + force));
         state.input[i] = force;
@@ -174,7 +174,7 @@ fn couple<R: Real, const COMPENSATED: bool>(
         let row = &response.answer[i * group.coupled..][..group.coupled];
         let answer: f64 = row.iter().zip(&free[..]).map(|(a, d)| a * d).sum();
         state.input[i] += answer;
-        state.f[group.ports[i].own as usize] += real(state.input[i]);
+        state.f[group.ports[i].own as usize] += R::of(state.input[i]);
     }
     if COMPENSATED {
         unknown.iter_mut().zip(&state.input).for_each(|(u, force)| u.given = *force);

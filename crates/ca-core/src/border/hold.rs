@@ -5,7 +5,7 @@
 //! frame sooner and make energy, 3 % of what crosses (docs/numerics.md §5.1).
 
 use super::{begin, phase, place};
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -24,7 +24,7 @@ pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>
 pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.frame, s.tick);
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let f = wide(s.f[p.mat as usize]);
+        let f = s.f[p.mat as usize].wide();
         let b = &mut s.border[k];
         if j == 0 {
             b.sum = f;

@@ -8,7 +8,7 @@
 //! force and gives nothing. Signs are those of [`Border::force`](crate::state::Border::force), the force *on* the hand.
 
 use super::phase;
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -24,7 +24,7 @@ pub(super) fn ledger<R: Real, const SYNC: bool>(op: &Op<R>, layout: &Layout<R>, 
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
         // what was taken at the start of the frame, whatever the caller has written since
         let hand = s.last_input[p.input as usize];
-        let (b, e, f) = (&s.border[k], &mut l.hands[k], wide(s.f[p.mat as usize]));
+        let (b, e, f) = (&s.border[k], &mut l.hands[k], s.f[p.mat as usize].wide());
         if j > 0 {
             let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
             e.received -= mean * (b.to - b.from);

@@ -1,7 +1,7 @@
 //! Linear position, trapezoid mean force: the default border.
 
 use super::{begin, phase, place};
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -24,7 +24,7 @@ pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>
 pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.frame, s.tick);
     let f = &s.f[..];
-    let each = layout.tgr[..op.n].iter().map(|p| wide(f[p.mat as usize])).zip(&mut s.border);
+    let each = layout.tgr[..op.n].iter().map(|p| f[p.mat as usize].wide()).zip(&mut s.border);
     if j == layout.frame {
         for (f, b) in each {
             b.force = (b.sum + 0.5 * f) / f64::from(layout.frame);

@@ -11,7 +11,7 @@
 //! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
 //! held by the device until the next.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use crate::op::layout::{Enx, Layout, Way};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
@@ -88,7 +88,7 @@ fn arrive<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, k: us
 /// Takes in the positions of all ports for the frame that begins.
 fn begin<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, ports: &[Enx<R>]) {
     for (k, p) in ports.iter().enumerate() {
-        let x = arrive::<R, LATE>(layout, s, k, p) - wide(p.rest);
+        let x = arrive::<R, LATE>(layout, s, k, p) - p.rest.wide();
         let b = &mut s.border[k];
         b.from = if s.tick == 0 { x } else { b.to };
         b.to = x;
@@ -103,9 +103,9 @@ fn place<R: Real>(s: &mut State<R>, ports: &[Enx<R>], at: impl Fn(&Border) -> f6
     // of one length, so that a port is looked up once in all
     let (d, f) = (&mut s.d[..x.len()], &mut s.f[..x.len()]);
     for (p, b) in ports.iter().zip(&s.border) {
-        let (m, to) = (p.mat as usize, real(at(b)));
-        d[m] = if first { real(0.0) } else { to - x[m] };
+        let (m, to) = (p.mat as usize, R::of(at(b)));
+        d[m] = if first { R::ZERO } else { to - x[m] };
         x[m] = to;
-        f[m] = real(0.0);
+        f[m] = R::ZERO;
     }
 }

@@ -4,7 +4,7 @@
 //! rate there is nothing to resample, and this is the delay the papers take for granted.
 
 use super::{begin, place};
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -22,6 +22,6 @@ pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>)
         return;
     }
     for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        s.border[k].force = wide(s.f[p.mat as usize]);
+        s.border[k].force = s.f[p.mat as usize].wide();
     }
 }

@@ -10,7 +10,7 @@
 
 use super::{free_motion, mobility};
 use crate::law::Bound;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
@@ -37,8 +37,8 @@ pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
         // what stands still at load sticks
         start: |_, [_, w], mem| {
-            mem[0] = real(if w == R::ZERO { 1.0 } else { 0.0 });
-            mem[1] = real(0.0);
+            mem[0] = R::of(if w == R::ZERO { 1.0 } else { 0.0 });
+            mem[1] = R::ZERO;
         },
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         kernel: |_| rub,
@@ -54,13 +54,13 @@ fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let mem = op.mem + MEM * i;
         let stuck = s.mem[mem] != R::ZERO;
         // what stuck has no motion but that of rounding
-        let w = if stuck { real(0.0) } else { s.d[q] - s.d[p] };
+        let w = if stuck { R::ZERO } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
         let c = mobility(layout, s, p) + mobility(layout, s, q);
         let (force, sticks) = hold([f, fd], [w, r], c, stuck);
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
+        s.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
         s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
             s.tap[op.tap + i] = force;
@@ -73,7 +73,7 @@ fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 pub fn hold<R: Real>([f, fd]: [R; 2], [w, r]: [R; 2], c: R, stuck: bool) -> (R, bool) {
     let most = if stuck { f } else { fd };
     if w * r < R::ZERO || (c <= R::ZERO && r == R::ZERO) {
-        return (real(0.0), stuck && c <= R::ZERO);
+        return (R::ZERO, stuck && c <= R::ZERO);
     }
     // between two ports nothing can be held
     let needed = if c > R::ZERO { r / c } else { R::INFINITY.copysign(r) };

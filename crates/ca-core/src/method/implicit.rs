@@ -16,8 +16,8 @@
 //! change step together in one tick, since half-way between two factors is the factor of neither. Between whom a port
 //! goes is not known yet: it goes on as it went.
 
+use crate::numeric::Real;
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::{ImplicitLinks, Layout};
 use crate::state::State;
@@ -51,7 +51,7 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     for l in &a.forces {
         let turned: R = l.moving.iter().map(|(i, w)| *w * s.implicit[*i as usize]).sum();
-        let more = R::of(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
+        let more = R::of(inertia(&l.coef.map(|c| s.coef[c as usize].wide()))) * turned;
         if let Some(t) = l.tap {
             s.tap[t as usize] += more;
         }

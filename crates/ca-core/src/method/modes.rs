@@ -11,7 +11,7 @@
 //! modes do not change. Decides against elimination one after the other, which is right for linear springs alone.
 
 use super::free_motion;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::{Layout, SolvedModal};
 use crate::state::State;
@@ -25,7 +25,7 @@ pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let more: R = (p.first as usize..).zip(shares).map(|(mode, w)| *w * change(mode)).sum();
         let mobility = s.coef[2 * layout.n_mat + m];
         // at a node of all modes nothing moves
-        let force = if mobility > R::ZERO { more / mobility } else { real(0.0) };
+        let force = if mobility > R::ZERO { more / mobility } else { R::ZERO };
         (s.tap[tap], s.tap[tap + 1], s.f[m]) = (s.f[m], force, force);
     }
 }
@@ -60,7 +60,7 @@ pub(super) fn couple<R: Real>(layout: &Layout<R>, push: &mut [R], tap: &mut [R])
 /// Leaves no push on such masses.
 pub(super) fn clear<R: Real>(layout: &Layout<R>, push: &mut [R]) {
     for h in &layout.solved_modal {
-        push[h.mat as usize] = real(0.0);
+        push[h.mat as usize] = R::ZERO;
     }
 }
 

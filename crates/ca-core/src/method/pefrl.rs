@@ -9,7 +9,7 @@
 //! on positions alone will do. It is symplectic and reversible, so energy ripples and does not drift. A force that
 //! hangs on motion, or remembers, has no place in it, and is refused by the compiler.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd, wide};
@@ -46,7 +46,7 @@ impl<R: Real> Body<R> for Drift {
         let (n, share) = (op.n, R::of(DRIFTS[op.first]));
         for ((x, d), f) in s.x[..n].iter_mut().zip(&s.d[..n]).zip(&mut s.f[..n]) {
             *x += share * *d;
-            *f = real(0.0);
+            *f = R::ZERO;
         }
     }
 }

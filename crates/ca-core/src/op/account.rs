@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{Precision, Real, Table, outer, real};
+use crate::numeric::{Precision, Real, Table};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -155,7 +155,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
     for i in 0..n {
         let c = core::array::from_fn(|k| columns[k][i]);
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-        let mem = if M == 0 { [real(0.0); M] } else { numbers(&memory[i * M..]) };
+        let mem = if M == 0 { [R::ZERO; M] } else { numbers(&memory[i * M..]) };
         let e = e(i);
         stored[i] = P::stored(&c, &mem, tables, e[1], e[2]);
         lost[i] = P::lost(&c, &mem, tables, e);
@@ -237,10 +237,10 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             if !account.linear {
                 let (error, before) = (&mut entries.error[range.clone()], &mut entries.stored[range.clone()]);
                 for i in 0..n {
-                    let now = outer(stored[i]);
+                    let now = stored[i].outer();
                     if tick {
-                        let work = outer(-s.tap[account.tap + from + i] * R::of(0.5) * moved[i]);
-                        let made = now - before[i] + work + outer(heat[i]);
+                        let work = (-s.tap[account.tap + from + i] * R::of(0.5) * moved[i]).outer();
+                        let made = now - before[i] + work + heat[i].outer();
                         error[i] += made;
                         sums.error += made;
                     }
@@ -249,7 +249,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             }
             add(&mut stored_all, stored);
             if tick {
-                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += outer(*heat));
+                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += heat.outer());
                 add(&mut lost, heat);
             }
             from += n;
@@ -261,7 +261,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
 /// Link by link, by the functions of the law.
 fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
-    let mut room = [real(0.0); COEFS];
+    let mut room = [R::ZERO; COEFS];
     let c = a.law.coefs.min(COEFS);
     for i in 0..links.n {
         room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
@@ -306,7 +306,7 @@ fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &
     for e in e.iter_mut() {
         e[..n].copy_from_slice(e0);
     }
-    moved[..n].fill(real(0.0));
+    moved[..n].fill(R::ZERO);
     port(links, d0, (a.ports.measure, &layout.ends, a.first, a.ports.reach), e, moved);
     if let Some((measure, first, reach)) = a.ports.onto {
         port(links, d0, (measure, &layout.onto, first, reach), e, moved);
@@ -324,7 +324,7 @@ fn port<R: Real>(
 ) {
     let Links { layout, s, from, n, .. } = *links;
     let n = n.min(BLOCK);
-    let (ends, none) = (&ends[first + from..][..n], [[real(0.0); 4]; BLOCK]);
+    let (ends, none) = (&ends[first + from..][..n], [[R::ZERO; 4]; BLOCK]);
     let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.reach[reach + from..][..n] };
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
     // a loop for each, so that none asks which it is; a closure would not be compiled for the vectors of the machine
@@ -353,11 +353,11 @@ pub(crate) fn add<R: Real>(lanes: &mut Lanes<R::Outer>, all: &[R]) {
     let (whole, rest) = all.as_chunks::<LANES>();
     for eight in whole {
         for k in 0..LANES {
-            sums[k] += outer(eight[k]);
+            sums[k] += eight[k].outer();
         }
     }
     for (sum, v) in sums.iter_mut().zip(rest) {
-        *sum += outer(*v);
+        *sum += v.outer();
     }
     *lanes = sums;
 }

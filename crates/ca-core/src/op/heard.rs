@@ -4,7 +4,7 @@
 //! these do. The bits are those of the pass, which has not moved anything yet.
 
 use super::Op;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
@@ -16,7 +16,7 @@ pub fn heard<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, d) = (&s.x[..], &s.d[..]);
     for h in &layout.heard[..op.n] {
         let [a, b] = h.ends.map(|m| m as usize);
-        let mut c: [R; COEFS] = [real(0.0); COEFS];
+        let mut c: [R; COEFS] = [R::ZERO; COEFS];
         for (k, c) in c.iter_mut().enumerate().take(h.coefs as usize) {
             *c = s.coef[h.coef as usize + k * h.step as usize];
         }

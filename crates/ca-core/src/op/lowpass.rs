@@ -5,7 +5,7 @@
 //! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
 
 use super::Op;
-use crate::numeric::{Real, inner, outer};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
@@ -21,7 +21,7 @@ pub fn lowpass<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
             y += *h * (*a + *b);
         }
-        *out = outer(y);
+        *out = y.outer();
     }
 }
 
@@ -36,6 +36,6 @@ pub fn remember<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 }
 
 fn keep<R: Real>(past: &mut [R], at: usize, n: usize, v: R::Outer) {
-    past[at] = inner(v);
+    past[at] = R::inner(v);
     past[at + n] = past[at];
 }

@@ -15,7 +15,7 @@ use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, P
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
-use crate::numeric::{NONE, Real, Table, real, wide};
+use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
 
 crate::choice::choice! {
@@ -199,7 +199,7 @@ impl Phi<3, 0> for Smooth {
     #[inline(always)]
     fn force<R: Real>(&[f, per, bell]: &[R; 3], _: &mut [R; 0], tables: &[Table<R>], _e: R, w: R) -> R {
         let u = w * per;
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| (f * t.at(u.abs())).copysign(u))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| (f * t.at(u.abs())).copysign(u))
     }
     #[inline(always)]
     fn lost<R: Real>(c: &[R; 3], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
@@ -216,10 +216,10 @@ impl Curve<3> for Smooth {
         f * per * 1.648_721_270_700_128_2
     }
     fn chord<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.chord((w * per).abs()))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| f * per * t.chord((w * per).abs()))
     }
     fn slope<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.slope((w * per).abs()))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| f * per * t.slope((w * per).abs()))
     }
 }
 
@@ -259,7 +259,7 @@ impl Curve<5> for Piecewise {
         rise.max(fall)
     }
     fn chord<R: Real>(c: &[R; 5], tables: &[Table<R>], w: R) -> R {
-        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, real(0.0), w) / w }
+        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, R::ZERO, w) / w }
     }
     fn slope<R: Real>(&[rise, v0, _, fall, v1]: &[R; 5], _: &[Table<R>], w: R) -> R {
         let v = w.abs();
@@ -268,7 +268,7 @@ impl Curve<5> for Piecewise {
         } else if v < v1 {
             -fall
         } else {
-            real(0.0)
+            R::ZERO
         }
     }
 }
@@ -306,7 +306,7 @@ impl Curve<3> for SetValued {
         coulomb::chord(*c, w)
     }
     fn slope<R: Real>(c: &[R; 3], _: &[Table<R>], w: R) -> R {
-        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { real(0.0) }
+        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { R::ZERO }
     }
 }
 
@@ -340,6 +340,6 @@ impl Curve<2> for Coulomb {
         (f / w.abs()).min(rise)
     }
     fn slope<R: Real>(&[rise, f]: &[R; 2], _: &[Table<R>], w: R) -> R {
-        if rise * w.abs() < f { rise } else { real(0.0) }
+        if rise * w.abs() < f { rise } else { R::ZERO }
     }
 }

@@ -6,7 +6,7 @@
 //! folded for them, are over `f64` alone.
 
 use super::{Before, Scene, start};
-use crate::numeric::{Precision, Real, Table, VerletList, real};
+use crate::numeric::{Precision, Real, Table, VerletList};
 use crate::op::layout::{
     Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
     SlowGroup, Substeps, Termination, Waves,
@@ -117,15 +117,15 @@ fn ops<R: Real>(list: &[Op], laws: &Laws<R>, form: fn(Form) -> Form) -> Result<V
 }
 
 fn reals<R: Real, All: FromIterator<R>>(all: &[f64]) -> All {
-    all.iter().map(|v| real(*v)).collect()
+    all.iter().map(|v| R::of(*v)).collect()
 }
 
 fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
-    let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: real(p.rest), implicit: p.implicit };
+    let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: R::Outer::of(p.rest), implicit: p.implicit };
     let heard = |h: &HeardLink| {
         let fns = laws.get(h.law).ok_or(Unbound::Law(h.law.code))?;
         let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = h;
-        Ok(HeardLink { law, force: fns.force, ends, e0: real(e0), coef, step, coefs, tap })
+        Ok(HeardLink { law, force: fns.force, ends, e0: R::of(e0), coef, step, coefs, tap })
     };
     let account = |a: &Account| {
         let fns = laws.get(a.law).ok_or(Unbound::Law(a.law.code))?;
@@ -172,7 +172,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         n_out: l.n_out,
         ends: l.ends.clone(),
         onto: l.onto.clone(),
-        reach: l.reach.iter().map(|r| r.map(real)).collect(),
+        reach: l.reach.iter().map(|r| r.map(R::of)).collect(),
         rows: l.rows.clone(),
         pair_sets: l.pair_sets.clone(),
         e0: reals(&l.e0),
@@ -196,7 +196,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         outputs: l.outputs.clone(),
         of_motion: l.of_motion,
         output_rows: l.output_rows.clone(),
-        blockers: l.blockers.iter().map(|b| DcBlocker { r: real(b.r), g: real(b.g) }).collect(),
+        blockers: l.blockers.iter().map(|b| DcBlocker { r: R::of(b.r), g: R::of(b.g) }).collect(),
         lowpass: reals(&l.lowpass),
         implicit: l.implicit.as_ref().map(implicit),
         ledger,
@@ -207,11 +207,11 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
 }
 
 fn waves<R: Real>(w: &Waves) -> Waves<R> {
-    let junction = |j: &Junction| Junction { mat: j.mat, z: real(j.z), memory: j.memory };
+    let junction = |j: &Junction| Junction { mat: j.mat, z: R::Outer::of(j.z), memory: j.memory };
     let end = |end: Termination| match end {
         Termination::Open => Termination::Open,
         Termination::Rigid => Termination::Rigid,
-        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(real), memory },
+        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(R::Outer::of), memory },
     };
     let delay = |d: &Delay| {
         let &Delay { junction, from, to, first, len, end: of } = d;
@@ -226,7 +226,7 @@ fn waves<R: Real>(w: &Waves) -> Waves<R> {
 }
 
 fn implicit<R: Real>(a: &ImplicitLinks) -> ImplicitLinks<R> {
-    let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, real(*w))).collect();
+    let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, R::of(*w))).collect();
     let force =
         |f: &LinkForce| LinkForce { coef: f.coef, tap: f.tap, moving: weights(&f.moving), fixed: weights(&f.fixed) };
     ImplicitLinks {
@@ -276,12 +276,12 @@ fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
         input: s.input.clone(),
         last_input: s.last_input.clone(),
         output: reals(&s.output),
-        cells: s.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(real) }).collect(),
+        cells: s.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(R::of) }).collect(),
         near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         slow,
         border: s.border.clone(),
         late: s.late.clone(),
-        blocked: s.blocked.iter().map(|b| b.map(real)).collect(),
+        blocked: s.blocked.iter().map(|b| b.map(R::of)).collect(),
         glide: s.glide.clone(),
         lowpass: reals(&s.lowpass),
         implicit: reals(&s.implicit),

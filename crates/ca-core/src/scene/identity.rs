@@ -6,8 +6,8 @@
 //! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
 //! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
 
+use crate::numeric::Real;
 use crate::numeric::words::word;
-use crate::numeric::{Real, wide};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::{Op, SolveStage};
 use crate::scene::Scene;
@@ -81,7 +81,7 @@ impl Words {
     /// A list of numbers, behind its length.
     fn numbers<'n, R: Real>(&mut self, all: impl ExactSizeIterator<Item = &'n R>) {
         self.word(all.len() as u64);
-        all.for_each(|v| self.word(wide(*v).to_bits()));
+        all.for_each(|v| self.word(v.wide().to_bits()));
     }
 
     /// The same of places.

@@ -16,7 +16,7 @@ use crate::equivalence::{Equivalence, Gains};
 use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
 use crate::live::{Controls, LivePlan};
-use crate::numeric::{Real, inner, real};
+use crate::numeric::Real;
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
@@ -164,8 +164,8 @@ impl<R: Real> Scene<R> {
         let mut s = before.state.clone();
         for p in self.layout.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            s.x[p.mat as usize] = inner(real::<R::Outer>(x) - p.rest);
-            s.d[p.mat as usize] = real(d);
+            s.x[p.mat as usize] = R::inner(R::Outer::of(x) - p.rest);
+            s.d[p.mat as usize] = R::of(d);
         }
         let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;

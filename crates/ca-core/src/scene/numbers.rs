@@ -5,7 +5,7 @@
 //! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
 //! runs, and has to be the same in all of them: [`Scene::structure`].
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::{Layout, Termination};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
@@ -23,7 +23,7 @@ impl<R: Real<Outer = R>> Scene<R> {
 
     /// What all of a scene but its numbers is known by; these are 0 afterwards.
     pub fn structure(&mut self) -> Identity {
-        self.numbers(&mut |v| *v = real(0.0));
+        self.numbers(&mut |v| *v = R::ZERO);
         Identity::of(&self.layout, [&self.reads, &self.forces, &self.writes, &self.moves], &self.initial)
     }
 }
@@ -118,5 +118,5 @@ fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
     s.mem.iter_mut().for_each(&mut *visit);
     s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
     s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
-    s.output.fill(real(0.0));
+    s.output.fill(R::Outer::ZERO);
 }

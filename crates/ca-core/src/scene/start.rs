@@ -1,6 +1,6 @@
 //! Start: the state at load.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::links::measure;
 use crate::op::{Op, Pass, pass};
@@ -47,7 +47,7 @@ pub fn start<R: Real>(
             let Some((law, fns)) = op.law.zip(op.fns).filter(|(l, _)| l.mem > 0) else { continue };
             for i in 0..op.n {
                 // of what began as sliding the ends are taken to move
-                let (mut e, mut w) = (layout.e0[op.first + i], real(if sticks { 0.0 } else { 1.0 }));
+                let (mut e, mut w) = (layout.e0[op.first + i], R::of(if sticks { 0.0 } else { 1.0 }));
                 for (measure, ends, reach) in measure::ports(layout, &op.ports, op.first, i) {
                     let measured = measure::measure(measure, &s.x, &s.d, ends, &reach);
                     (e, w) = (e + measured.e, w + measured.w);
@@ -83,7 +83,7 @@ pub fn start<R: Real>(
             let mut at = s.clone();
             for (x, d) in at.x.iter_mut().zip(&mut at.d) {
                 *x += share * *d;
-                *d = real(0.0);
+                *d = R::ZERO;
             }
             change(&at)
         });
@@ -93,10 +93,10 @@ pub fn start<R: Real>(
     let moved = |i: usize| layout.enx.iter().any(|p| p.implicit && p.mat as usize == i);
     for i in 0..n {
         if s.coef[2 * n + i] == R::ZERO {
-            s.d[i] = if moved(i) { s.d[i] } else { real(0.0) };
+            s.d[i] = if moved(i) { s.d[i] } else { R::ZERO };
         } else if !exact {
             s.d[i] -= R::of(0.5) * second[i];
-            s.d[i] += more.as_ref().map_or(real(0.0), |m| m[i]);
+            s.d[i] += more.as_ref().map_or(R::ZERO, |m| m[i]);
         }
     }
     pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.modal.len()), layout, &mut s);

@@ -3,7 +3,7 @@
 //! Accounts are [`Real::Outer`]: `f64` in both precisions, and with derivatives over dual numbers, whose [`Ledger::balance`] so
 //! has those of each sum (docs/numerics.md §9). `peak`, `received` and `worst`, and the energy that a hand gives, are `f64`.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -25,7 +25,7 @@ pub struct Room<R: Real = f64> {
 
 impl<R: Real> Default for Room<R> {
     fn default() -> Room<R> {
-        Room { e: [[real(0.0); BLOCK]; 3], moved: [real(0.0); BLOCK], out: [[real(0.0); BLOCK]; 2] }
+        Room { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
     }
 }
 
@@ -174,7 +174,7 @@ impl<R: Real> Ledger<R> {
 
     /// The link that made the most energy, with its account; `None` where none made any.
     pub fn largest_error(&self) -> Option<(usize, f64)> {
-        let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| wide(*a.1).total_cmp(&wide(*b.1)))?;
-        (wide(*s) > 0.0).then_some((i, wide(*s)))
+        let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| a.1.wide().total_cmp(&b.1.wide()))?;
+        (s.wide() > 0.0).then_some((i, s.wide()))
     }
 }

@@ -9,7 +9,7 @@ pub(crate) mod ledger;
 mod snapshot;
 
 use crate::numeric::words::word;
-use crate::numeric::{Aligned, Real, VerletList, real, wide};
+use crate::numeric::{Aligned, Real, VerletList};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -120,8 +120,8 @@ impl<R: Real> Ramps<R> {
         Ramps {
             index,
             left: alloc::vec![0; n],
-            step: alloc::vec![real(0.0); n],
-            target: alloc::vec![real(0.0); n],
+            step: alloc::vec![R::ZERO; n],
+            target: alloc::vec![R::ZERO; n],
             active: alloc::vec![0; n],
             moving: 0,
             whole,
@@ -242,17 +242,17 @@ impl<R: Real> State<R> {
         let mut h = fnv::FnvHasher::default();
         let [slots, coefs] = &self.written;
         for (all, order) in [(&self.x, slots), (&self.d, slots), (&self.coef, coefs)] {
-            let mut each = |v: &R| word(&mut h, wide(*v).to_bits());
+            let mut each = |v: &R| word(&mut h, v.wide().to_bits());
             if order.is_empty() {
                 all.iter().for_each(&mut each);
             } else {
                 order.iter().for_each(|i| each(&all[*i as usize]));
             }
         }
-        let flat = self.mem.iter().map(|v| wide(*v));
-        let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
+        let flat = self.mem.iter().map(|v| v.wide());
+        let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| v.wide());
         // those that are not known decide nothing
-        let lengths = self.lengths.iter().filter(|l| **l != R::of(UNKNOWN)).map(|l| wide(*l));
+        let lengths = self.lengths.iter().filter(|l| **l != R::of(UNKNOWN)).map(|l| l.wide());
         for v in flat
             .chain(self.late.iter().copied())
             .chain(filters)
@@ -286,13 +286,13 @@ impl<R: Real> State<R> {
     /// True while every position and motion is finite and below `limit` \[m\].
     pub fn is_bounded(&self, limit: f64) -> bool {
         // a look at each number by itself takes as long as a tick; a block at a time is a loop of vectors
-        let within = |block: &[R]| block.iter().fold(true, |all, v| all & (wide(v.abs()) < limit));
+        let within = |block: &[R]| block.iter().fold(true, |all, v| all & (v.abs().wide() < limit));
         self.x.chunks(64).chain(self.d.chunks(64)).all(within)
     }
 
     /// The MAT with the largest displacement, or the first that is not finite.
     pub fn furthest(&self) -> usize {
-        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { wide(self.x[*i].abs()) };
+        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { self.x[*i].abs().wide() };
         (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 

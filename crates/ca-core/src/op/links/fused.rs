@@ -8,7 +8,7 @@
 
 use super::run;
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
@@ -26,7 +26,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         run::links::<R, P, C, M, OFFSET>(op, layout, s);
         let (n, masses, first) = (layout.n_mat, op.n + 1, op.tap - 1);
-        (s.tap[first], s.tap[first + masses]) = (real(0.0), real(0.0));
+        (s.tap[first], s.tap[first + masses]) = (R::ZERO, R::ZERO);
         let [before, behind] = [first, first + 1].map(|at| &s.tap[at..][..masses]);
         let [p, q, c]: [&[R]; 3] = [0, 1, 2].map(|k| &s.coef[k * n + op.mat..][..masses]);
         let (x, d, f) = (&mut s.x[op.mat..][..masses], &mut s.d[op.mat..][..masses], &mut s.f[op.mat..][..masses]);
@@ -34,7 +34,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
             let sum = (behind[i] - before[i]) + f[i];
             d[i] = if OWN { p[i] * d[i] + q[i] * x[i] + c[i] * sum } else { d[i] + c[i] * sum };
             x[i] += d[i];
-            f[i] = real(0.0);
+            f[i] = R::ZERO;
         }
     }
 }

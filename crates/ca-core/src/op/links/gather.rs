@@ -2,7 +2,7 @@
 //! the links, so the bits are those of a plain loop over modules.
 
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -33,14 +33,14 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
             let (from, to) = P::idle(&c);
             if e >= from && e <= to {
                 if TAP {
-                    s.tap[op.tap + i] = real(0.0);
+                    s.tap[op.tap + i] = R::ZERO;
                 }
                 continue;
             }
         }
         let w = d[b] - d[a];
         // laws without memory must not carry a bounds check
-        let mut none = [real(0.0); M];
+        let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         let force = P::force(&c, m, &layout.tables, e, w);
         f[a] += force;

@@ -14,7 +14,7 @@ use super::folded::{LANES, Lanes};
 use super::measure::Radial;
 use super::space::links;
 use crate::law::Phi;
-use crate::numeric::sqrt;
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
@@ -234,7 +234,7 @@ fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
         let before: [f64; 3] = core::array::from_fn(|k| now[k] - (q[k] - p[k]));
         let at = op.ports.reach + first + i;
         let square = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
-        s.lengths[at] = sqrt(square + layout.reach[at][3]);
+        s.lengths[at] = Real::sqrt(square + layout.reach[at][3]);
     }
 }
 

@@ -3,7 +3,7 @@
 //! of the link after it, which is the order of the gather kernel, so the bits are the same.
 
 use crate::law::Phi;
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
@@ -45,7 +45,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
         let w = db[i] - da[i];
         let c = core::array::from_fn(|k| columns[k][i]);
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-        let mut none = [real(0.0); M];
+        let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         force[i] = P::force(&c, m, tables, e, w);
     }

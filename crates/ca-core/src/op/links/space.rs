@@ -4,7 +4,7 @@
 
 use super::measure::Measure;
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -45,7 +45,7 @@ pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
             let (from, to) = (from.max(R::ZERO), to.max(R::ZERO));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
                 if TAP {
-                    s.tap[op.tap + i] = real(0.0);
+                    s.tap[op.tap + i] = R::ZERO;
                 }
                 continue;
             }
