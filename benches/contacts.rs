@@ -1,6 +1,6 @@
 //! Contacts between all pairs of grains in a shell: each pair a module, all pairs tested in one pass, and by a list of
 //! neighbours. What is timed is that pass alone, inside the tick, on grains that go on flying, each time from the same
-//! state. The constants of `ca_core::numeric::VerletList` and the least number of pairs that make a set come from here.
+//! state. The constants of `ca_core::internal::numeric::VerletList` and the least number of pairs that make a set come from here.
 //!
 //! `… apart` is a set of which nothing ever touches: its time by its pairs is what a pair costs that is idle.
 #![allow(missing_docs)]

@@ -4,7 +4,7 @@
 
 use ca_benches::{model, scene};
 use ca_compile::KernelClass;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write as _;
 

@@ -4,8 +4,7 @@
 
 use ca_benches::{catalog, mesh, model, random, scene, string};
 use ca_compile::{KernelClass, Options, load};
-use ca_core::numeric::Precision;
-use ca_core::tick;
+use ca_core::{Precision, tick};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn step(c: &mut Criterion) {

@@ -5,7 +5,7 @@
 
 use crate::{model, scene};
 use ca_compile::KernelClass;
-use ca_core::scene::growth::{SECONDS, STARTS, TIMES};
+use ca_core::internal::scene::growth::{SECONDS, STARTS, TIMES};
 use ca_core::tick;
 
 const RATE: f64 = 48e3;

@@ -2,7 +2,7 @@
 
 use crate::TICKS;
 use ca_compile::cost;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use ca_core::{Scene, State};
 use std::hint::black_box;
 use std::io::Write as _;

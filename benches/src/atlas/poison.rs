@@ -6,9 +6,7 @@ use super::device::{self, Rig};
 use crate::catalog;
 use ca_compile::load::finish;
 use ca_compile::{Options, compile};
-use ca_core::kind::Type;
-use ca_core::live::Controls;
-use ca_core::{Scene, tick};
+use ca_core::{Controls, Scene, Type, tick};
 use ca_haptic::frame::DeviceFrame;
 use ca_model::read::read;
 
@@ -68,7 +66,7 @@ pub fn parameters() -> Door {
 /// The examples of the catalog that compile as they are.
 fn examples() -> Vec<(&'static str, Scene)> {
     let catalog = catalog();
-    let scene = |kind: &'static ca_core::kind::Kind| {
+    let scene = |kind: &'static ca_core::Kind| {
         let (model, _) = read(kind.example, "example.ca.toml", &catalog);
         compile(&model, &catalog, &Options::default()).ok().map(|compiled| (kind.code, compiled.scene))
     };

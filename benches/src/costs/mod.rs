@@ -14,8 +14,7 @@ mod scenes;
 
 use crate::{model, scene};
 use ca_compile::KernelClass;
-use ca_core::state::Identity;
-use ca_core::{Scene, State, tick};
+use ca_core::{Identity, Scene, State, tick};
 pub use hand::Rig;
 use std::hint::black_box;
 

@@ -2,7 +2,7 @@
 
 use super::net::Net;
 use super::write;
-use cordis_anima::ca_core::scene::Location;
+use cordis_anima::ca_core::Location;
 use cordis_anima::{Loaded, Options, Scene, State, process};
 use rustix::time::{ClockId, clock_gettime};
 use std::io::{BufRead as _, BufReader, Error, Write as _};

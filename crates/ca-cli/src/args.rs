@@ -1,7 +1,7 @@
 //! What can be typed. Every command says in one line what it is for, then in a paragraph how it thinks, then shows
 //! examples that run (tests extract and run them, but for those of `bench`, which take minutes).
 
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::quantity;
 use clap::builder::UnknownArgumentValueParser;
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};

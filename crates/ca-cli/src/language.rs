@@ -1,8 +1,7 @@
 //! The language of models, for sessions.
 
 use crate::commands::render::stability;
-use ca_core::Scene;
-use ca_core::live::LiveParam;
+use ca_core::{LiveParam, Scene};
 use ca_model::{quantity, suggest};
 use ca_session::Language;
 

@@ -53,19 +53,6 @@ impl Bound {
     pub fn h(&self) -> f64 {
         self.k - self.lift + if self.centred { 0.0 } else { 2.0 * self.z }
     }
-
-    /// The part of [`Bound::h`] that the link has wherever its ends are \[N/m\].
-    pub fn certain(&self) -> f64 {
-        // of a curve of friction the slope is one that it has somewhere
-        (if self.curve { self.k } else { self.h() }) - self.loose
-    }
-
-    /// The explicit link that counts as much.
-    #[must_use]
-    pub fn explicit(&self) -> Bound {
-        let z = if self.centred { 0.0 } else { self.z };
-        Bound { k: self.k - self.lift, z, lift: 0.0, centred: false, ..*self }
-    }
 }
 
 /// A law of interaction. `C` coefficients per link, `M` numbers of memory per link.

@@ -220,7 +220,7 @@ impl Controls {
 
     /// The same for a scene over `R`: a value whose coefficients are not finite there is refused.
     #[must_use]
-    pub fn over<R: Real>(self) -> Controls {
+    pub(crate) fn over<R: Real>(self) -> Controls {
         Controls { finite: |v| R::of(v).is_finite(), ..self }
     }
 

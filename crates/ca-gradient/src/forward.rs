@@ -14,8 +14,8 @@ use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
-use ca_core::numeric::{Dual, Precision, TANGENTS};
-use ca_core::{Catalog, Scene, State, tick};
+use ca_core::internal::scene;
+use ca_core::{Catalog, Dual, Precision, Scene, State, TANGENTS, tick};
 use ca_io::gesture::Gesture;
 use ca_io::perform::DIVERGED;
 use ca_model::Model;
@@ -276,7 +276,7 @@ impl Forward {
         let mut scene = over_dual(&self.compiled(&self.model).map_err(Error::Refused)?)?;
         let columns = &self.derivatives[some];
         let mut i = 0;
-        scene.numbers(&mut |v: &mut Dual| {
+        scene::numbers(&mut scene, &mut |v: &mut Dual| {
             for (t, all) in v.tangents_mut().iter_mut().zip(columns) {
                 *t = all[i];
             }

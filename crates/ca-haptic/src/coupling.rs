@@ -3,7 +3,7 @@
 //! [`needed`] compares the stiffness that each key presents to the hand at most with what the device holds, when a scene meets
 //! its devices. A key that the device can hold stays as it is and costs nothing. Before a stiffer one stand a spring and a damper
 //! (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and the scene is compiled once more
-//! ([`ca_core::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
+//! ([`ca_core::internal::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
 //!
 //! With its own friction b a device stays passive up to K ≤ b/(κT), with each force a frame later than it is computed, because
 //! real devices take it then (docs/numerics.md §5.2). A key is softened above nine tenths of that, or above the stiffness of the
@@ -23,10 +23,10 @@
 use crate::engine::{Setup, coupled, is_slower};
 use crate::profile::Profile;
 use ca_compile::{Compiled, Options};
-use ca_core::border::{Delays, delays};
-use ca_core::scene::Coupling;
-use ca_core::scene::certificate::{Key, Level};
-use ca_core::{Scene, compute_forces};
+use ca_core::internal::border::{Delays, delays};
+use ca_core::internal::scene::Coupling;
+use ca_core::internal::scene::certificate::Key;
+use ca_core::{Level, Scene, compute_forces};
 use ca_model::quantity::{show, six};
 use core::fmt;
 use std::collections::BTreeMap;
@@ -165,7 +165,7 @@ pub struct Softened {
 impl fmt::Display for Softened {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Softened { device, presents, rigid, felt, coupling } = self;
-        let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::kind::Unit::STIFFNESS));
+        let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::Unit::STIFFNESS));
         let is = if *rigid {
             "is held by friction that sticks or by a strong damper".into()
         } else {

@@ -7,11 +7,9 @@
 
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track, own};
-use ca_core::border::frame_due;
-use ca_core::live::{Controls, LiveParam, Patch};
-use ca_core::numeric::Plain;
-use ca_core::scene::{InputRole, Scene};
-use ca_core::{State, process, tick};
+use ca_core::internal::border::frame_due;
+use ca_core::internal::numeric::Plain;
+use ca_core::{Controls, InputRole, LiveParam, Patch, Scene, State, process, tick};
 
 /// Beyond this displacement \[m\] a scene is taken to have diverged. Far above any scale models are written in (1e-9 to
 /// 1e9), far below overflow.
@@ -253,18 +251,22 @@ impl<'a> Performance<'a> {
                 while audited.state.is_bounded(DIVERGED) && audited.state.tick < self.state.tick + 64 {
                     audited.tick();
                 }
-                if let Some((link, made)) =
-                    audited.state.ledger.as_deref().and_then(ca_core::state::Ledger::largest_error)
-                {
+                if let Some((link, made)) = audited.state.ledger.as_deref().and_then(ca_core::Ledger::largest_error) {
                     if let Some(name) = scene.audited_name(link) {
                         return (name.into_owned(), format!("it made {made:.3e} J"));
                     }
                 }
             }
         }
-        let m = self.state.furthest();
+        let m = furthest(&self.state);
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
+}
+
+/// The MAT with the largest displacement, or the first that is not finite.
+fn furthest(state: &State) -> usize {
+    let size = |i: &usize| if state.x[*i].is_nan() { f64::INFINITY } else { state.x[*i].abs() };
+    (0..state.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
 /// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or

@@ -6,9 +6,8 @@
 
 use crate::perform::DIVERGED;
 use crate::sound::Level;
-use ca_core::live::Controls;
-use ca_core::state::{NotRestored, checksum};
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::internal::state::checksum;
+use ca_core::{Controls, NotRestored, Scene, State, compute_forces, integrate};
 
 /// Samples between two looks at whether it has diverged.
 const LOOK: u64 = 64;
@@ -110,7 +109,7 @@ impl Running {
         }
         let mut words = beside.as_chunks::<8>().0.iter().map(|w| u64::from_le_bytes(*w));
         let mut next = || words.next().ok_or(NotRestored::Damaged);
-        let mut patch = ca_core::live::Patch::default();
+        let mut patch = ca_core::Patch::default();
         for p in 0..params {
             // what it does to coefficients is in the state already
             let value = f64::from_bits(next()?);

@@ -1,8 +1,6 @@
 //! The loop that plays without a clock, and how long a model is played.
 
-use ca_core::Scene;
-use ca_core::live::LiveParam;
-use ca_core::state::{Balance, Ledger};
+use ca_core::{Balance, Ledger, LiveParam, Scene};
 use ca_io::gesture::Gesture;
 pub use ca_io::length::Length;
 use ca_io::perform::{DIVERGED, Performance};

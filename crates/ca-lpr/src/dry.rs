@@ -5,14 +5,13 @@
 //! it turns, what is left of the motion after a tick is of the second order, and so is the heat of what sticks. Alone on its places: no law
 //! is solved together with others over four ends, and the compiler refuses what shares a mass.
 
-use ca_core::State;
-use ca_core::method::coulomb::{self, MEM, hold};
-use ca_core::method::{free_motion, mobility};
-use ca_core::numeric::Real;
-use ca_core::op::layout::Layout;
-use ca_core::op::links::measure::{Elongation, Line, Measure, Radial};
-use ca_core::op::{Form, Kernel, Law, LawEntry, LawFns, MeasureKind, Op, SolveStage};
-use ca_core::phi;
+use ca_core::internal::method::coulomb::{self, MEM, hold};
+use ca_core::internal::method::{free_motion, mobility};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::links::measure::{Elongation, Line, Measure, Radial};
+use ca_core::internal::op::{Form, Kernel, LawEntry, LawFns, MeasureKind, Op, SolveStage};
+use ca_core::internal::phi;
+use ca_core::{Law, Real, State};
 
 /// With `curve = "coulomb"` and `method = "set-valued"`.
 pub static LAW: Law = Law {

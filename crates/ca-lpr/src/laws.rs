@@ -7,13 +7,11 @@
 
 use crate::op::kernel;
 use crate::{dry, kinds, params};
-use ca_core::kind::Type;
-use ca_core::law::Phi;
-use ca_core::numeric::Real;
-use ca_core::op::{Law, LawEntry, LawFns};
-use ca_core::phi;
+use ca_core::internal::op::{LawEntry, LawFns};
+use ca_core::internal::phi;
+use ca_core::{Law, Phi, Real, Type};
 
-/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi), its cheaper laws here; and the list of pairs.
+/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::Phi), its cheaper laws here; and the list of pairs.
 macro_rules! laws {
     ($($name:ident $code:literal $of:path, $phi:ty $(: $($variant:ident)+)?;)*) => {
         $(

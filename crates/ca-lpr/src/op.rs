@@ -9,12 +9,10 @@
 //! At zero length a port in space has no direction and pulls nothing, while the law and the other port go on
 //! (docs/numerics.md §4.4); `soften` keeps the direction where ends pass through each other.
 
-use ca_core::State;
-use ca_core::law::Phi;
-use ca_core::numeric::Real;
-use ca_core::op::layout::Layout;
-use ca_core::op::links::measure::{Line, Measure, Radial};
-use ca_core::op::{Form, Kernel, MeasureKind, Op};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::links::measure::{Line, Measure, Radial};
+use ca_core::internal::op::{Form, Kernel, MeasureKind, Op};
+use ca_core::{Phi, Real, State};
 
 /// What a port on a line needs beside its ends.
 fn nowhere<R: Real>() -> [R; 4] {

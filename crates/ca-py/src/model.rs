@@ -7,7 +7,7 @@ use crate::measure;
 use crate::scene::Scene;
 use crate::wait::apart;
 use ca_compile::Options;
-use ca_core::kind::Role;
+use ca_core::Role;
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_lab::{bytes, take};
 use ca_model::diag::Severity;
@@ -107,7 +107,7 @@ pub fn kinds()
         Role::Port(_) => "port",
         Role::Generator(_) => "generator",
     };
-    let one = |k: &'static ca_core::kind::Kind| {
+    let one = |k: &'static ca_core::Kind| {
         let params = k.params.iter().map(|p| (p.name, measure::symbol(p.ty), p.doc)).collect();
         (k.code, k.title, k.equation, family(&k.role), params)
     };

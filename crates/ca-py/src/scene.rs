@@ -7,7 +7,8 @@ use crate::render::render;
 use crate::sim::Sim;
 use crate::wait::apart;
 use ca_compile::{Compiled, Options};
-use ca_core::scene::InputRole;
+use ca_core::InputRole;
+use ca_core::internal::scene::modules;
 use ca_io::gesture::PortMap;
 use ca_lab::load::{self, Loaded};
 use ca_lab::{bytes, view};
@@ -57,7 +58,7 @@ impl Scene {
         d.set_item("n_lia", s.lias())?;
         d.set_item("left_out", s.left_out.clone())?;
         let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
-        d.set_item("passes", passes.map(|o| (o.name, s.modules(o))).collect::<Vec<_>>())?;
+        d.set_item("passes", passes.map(|o| (o.name, modules(s, o))).collect::<Vec<_>>())?;
         Ok(d)
     }
 
@@ -171,7 +172,7 @@ impl Scene {
     /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is
     /// that of an array without times.
     fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
-        let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+        let map = |i: &ca_core::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
         let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
         Gesture::open(py, path, ports, port, rate)
     }

@@ -3,8 +3,7 @@
 //! It is computed from the pictures, since a scene has an energy ledger only on request. The sums go by the names that the
 //! author of the model wrote, such as a string or a hammer.
 
-use ca_core::Scene;
-use ca_core::scene::Location;
+use ca_core::{Location, Scene};
 
 /// Names at most; masses of further names count under the last.
 const NAMES: usize = 6;

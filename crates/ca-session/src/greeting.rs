@@ -2,10 +2,8 @@
 
 use crate::energy::KineticEnergy;
 use crate::protocol::{Message, Param, PortInfo, PortRole};
-use ca_core::Scene;
-use ca_core::io::midi::MidiSource;
-use ca_core::live::LiveParam;
-use ca_core::scene::{Input, InputRole};
+use ca_core::internal::io::midi::MidiSource;
+use ca_core::{Input, InputRole, LiveParam, Scene};
 use ca_view::Drawing;
 use std::collections::BTreeSet;
 

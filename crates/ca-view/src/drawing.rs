@@ -8,9 +8,8 @@
 
 use crate::graph::{Edge, Graph, NONE, Source};
 use crate::{bodies, place, thin};
-use ca_core::Scene;
-use ca_core::op::layout::{Output, Tap};
-use ca_core::scene::InputRole;
+use ca_core::internal::op::layout::{Output, Tap};
+use ca_core::{InputRole, Scene};
 use serde_json::{Value, json};
 
 /// A range of a gesture above this \[m\] is that of a bow, which says nothing of the size of what it plays.

@@ -5,11 +5,10 @@
 //! order of its shape; how they hang together is read from the links. What has a place in the state but is no MAT (moving
 //! points, masses that go by their modes), and what has none (the ends of waveguides), becomes a node behind the MATs.
 
-use ca_core::Scene;
-use ca_core::kind::name::{Index, Part};
-use ca_core::op::layout::{CoordinateSource, MeasureKind, Termination};
-use ca_core::op::{Op, pass};
-use ca_core::scene::Location;
+use ca_core::internal::kind::name::{Index, Part};
+use ca_core::internal::op::layout::{CoordinateSource, MeasureKind, Termination};
+use ca_core::internal::op::{Op, pass};
+use ca_core::{Location, Scene};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 

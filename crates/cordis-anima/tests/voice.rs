@@ -1,6 +1,6 @@
 //! A voice beside the ticks it stands for: sound, ports, forces, live parameters, what a callback may be handed.
 
-use cordis_anima::ca_core::scene::InputRole;
+use cordis_anima::ca_core::InputRole;
 use cordis_anima::{Loaded, Options, Scene, Voice, tick};
 use std::sync::Arc;
 

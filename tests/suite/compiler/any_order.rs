@@ -2,7 +2,8 @@
 //! bits as where they are.
 
 use crate::play::{reference, scene, with};
-use ca_core::op::{Band, Vectors};
+use ca_core::internal::op::{Band, Vectors};
+use ca_core::internal::scene::same_since;
 use ca_core::{Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -64,7 +65,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     let peak = sound.iter().fold(0.0_f64, |peak, v| peak.max(f64::from_bits(*v).abs()));
     assert!(peak > 1e-7, "it is silent");
     let string = scene(&text(40, 1, &along_first(40, 1), false));
-    assert!(!string.sorted && string.same_since() == 0, "its takes keep their bits");
+    assert!(!string.sorted && same_since(&string) == 0, "its takes keep their bits");
     let made =
         scene("[MESH]\nm = { nx = 14, ny = 13, m = \"2 g\", k = 1000, z = 0.01 }\n[SOX]\no = { from = \"m[5,1]\" }\n");
     assert_eq!(played(&made, 1).1, passes, "by hand and made");
@@ -73,7 +74,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     for links in written(nx, ny) {
         let text = text(nx, ny, &links, false);
         let mesh = scene(&text);
-        assert!(mesh.sorted && mesh.same_since() == 3, "takes of it from before are compared to rounding");
+        assert!(mesh.sorted && same_since(&mesh) == 3, "takes of it from before are compared to rounding");
         assert_eq!(played(&mesh, 500), (sound.clone(), passes.clone()), "{text}");
         // to rounding that of a plain loop over the document
         let plain = with(&text, &reference());

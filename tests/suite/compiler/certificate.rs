@@ -7,8 +7,7 @@
 use crate::play::{Random, off, scene, with, within};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use ca_model::read;
 use ca_tests::catalog;
 use proptest::prelude::*;

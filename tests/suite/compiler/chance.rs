@@ -3,8 +3,7 @@
 
 use crate::play::Random;
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};
 use proptest::prelude::*;
@@ -164,7 +163,7 @@ proptest! {
         if let Ok(scene) = compile(&m, &catalog(), &Options::default()) {
             let mut s = scene.state();
             (0..200).for_each(|_| tick(&scene, &mut s));
-            let contacts = scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && !l.is_staged()));
+            let contacts = scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && l.stage.is_explicit()));
             prop_assert!(!contacts || scene.certificate.level != Level::Proven);
         }
     }

@@ -1,7 +1,7 @@
 //! The growth of explicit contacts that findings state, played.
 
 use ca_benches::growth::grew;
-use ca_core::scene::growth::{Growth, MEASURED};
+use ca_core::internal::scene::growth::{Growth, MEASURED};
 use ca_tests::long_form::long_form;
 
 /// Plays each figure that findings state. The suite plays stiff contacts, which grow within seconds; the long form plays soft ones too,

@@ -1,8 +1,7 @@
 //! Links whose slope hangs on their elongation: judged where the energy at load, or the stroke of a port, takes them.
 
 use crate::play::{off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 
 /// A gram with a speed on a spring.
 fn bob(v: f64, spring: &str) -> String {

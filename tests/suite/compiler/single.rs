@@ -7,8 +7,7 @@
 use crate::compiler::thresholds::{k, link, z};
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
 use ca_compile::{KernelClass, Options, load};
-use ca_core::numeric::Precision;
-use ca_core::tick;
+use ca_core::{Precision, tick};
 use ca_model::diag::{Diags, Severity};
 use ca_tests::follow;
 

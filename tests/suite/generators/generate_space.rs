@@ -2,7 +2,7 @@
 
 use crate::play::{case, list, mats, num, off, reference, scene, with, within};
 use ca_compile::{Options, compile};
-use ca_core::kind::cloud::Cloud;
+use ca_core::internal::kind::cloud::Cloud;
 use ca_core::{Scene, compute_forces};
 use ca_io::cloud::{of_model, open};
 

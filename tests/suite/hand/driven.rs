@@ -1,8 +1,7 @@
 //! Parameters that ports drive: what they do is what a live parameter does that is set once a gesture frame.
 
 use crate::play::{audited, mat, scene, within};
-use ca_core::live::{Controls, Patch, Refused};
-use ca_core::{Scene, State, compute_forces, integrate, tick};
+use ca_core::{Controls, Patch, Refused, Scene, State, compute_forces, integrate, tick};
 
 const STRING: &str = "[STRING]\ns = { n = 24, f = \"110 Hz\", t60 = \"3 s\", m = \"2 g\" }\n[ENX]\nbow = {}\npress = {}\n\
                       [BOW]\nhair = { between = [\"bow\", \"s[3]\"], f = \"pressure\", v0 = \"0.1 m/s\" }\n[FRO]\nfelt = { between = [\"s[0]\", \"s[9]\"], z = \"felt_z\" }\n\

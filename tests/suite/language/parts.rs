@@ -2,8 +2,8 @@
 
 use crate::play::{scene, within};
 use ca_compile::{Options, load};
-use ca_core::io::midi::MidiSource;
-use ca_core::kind::cloud::Unread;
+use ca_core::internal::io::midi::MidiSource;
+use ca_core::internal::kind::cloud::Unread;
 use ca_core::{Scene, tick};
 use ca_model::diag::Diags;
 use ca_model::{Model, Value, part, read, render, write};

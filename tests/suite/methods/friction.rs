@@ -3,8 +3,7 @@
 
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{TURN, audited, mat, off, rel_l2, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;

@@ -2,8 +2,7 @@
 
 use crate::methods::stable::{bounce, heat, made, only_falls, ran};
 use crate::play::{Random, audited, case, mat, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{State, tick};
+use ca_core::{Level, State, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
@@ -261,20 +260,20 @@ fn the_first_try_is_near_the_root() {
         let n = f64::from(n);
         for e in -60..=60 {
             let x = 10f64.powf(0.37 + 0.5 * f64::from(e));
-            let near = ca_core::numeric::quarter_root(x, n) / x.powf(4.0 / n);
+            let near = ca_core::internal::numeric::quarter_root(x, n) / x.powf(4.0 / n);
             within("a root by bits", (near - 1.0).abs(), 0.125);
         }
         for s in [1e-9, 0.3, 1.0, 7.0] {
             for a in [1e-7, 0.1, 1.0, 50.0] {
                 let p = 0.25 * n;
-                let mean = ca_core::numeric::quarter_mean(s, a, n);
+                let mean = ca_core::internal::numeric::quarter_mean(s, a, n);
                 let should_be = if s == a { p * a.powf(p - 1.0) } else { (s.powf(p) - a.powf(p)) / (s - a) };
                 within("a mean slope", off(mean, should_be), 1e-13);
             }
             let next = f64::from_bits(s.to_bits() + 1);
             within(
                 "of neighbours",
-                off(ca_core::numeric::quarter_mean(next, s, n), 0.25 * n * s.powf(0.25 * n - 1.0)),
+                off(ca_core::internal::numeric::quarter_mean(next, s, n), 0.25 * n * s.powf(0.25 * n - 1.0)),
                 1e-13,
             );
         }

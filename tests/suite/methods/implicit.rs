@@ -1,9 +1,8 @@
 //! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, ledgers, and what is heard.
 
 use crate::play::{Random, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
-use ca_core::numeric::ldl::Pattern;
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::numeric::ldl::Pattern;
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 

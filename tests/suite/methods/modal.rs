@@ -2,8 +2,7 @@
 
 use crate::play::{PI, apart, audited, model, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, tick};
+use ca_core::{Level, Scene, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 

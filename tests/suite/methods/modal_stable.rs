@@ -3,8 +3,7 @@
 
 use crate::methods::stable::{made, only_falls, ran};
 use crate::play::{apart, audited, rel_l2, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, tick};
+use ca_core::{Level, Scene, tick};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

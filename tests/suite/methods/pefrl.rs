@@ -4,9 +4,8 @@ use crate::laws::references::{duffing, pluck};
 use crate::play::{TURN, apart, mat, model, off, scene, within};
 use ca_compile::analysis::modes::modes;
 use ca_compile::{Options, compile};
-use ca_core::method::pefrl::{LIMIT, explicit};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::method::pefrl::{LIMIT, explicit};
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 
 const HEAD: &str = "[model]\nmethod = \"pefrl\"\n";

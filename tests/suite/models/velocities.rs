@@ -5,7 +5,7 @@ use super::heard::{file_names, load};
 use crate::acoustics::{db, peak};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
-use ca_core::io::midi::MidiSource;
+use ca_core::internal::io::midi::MidiSource;
 use ca_io::gesture::{Gesture, GestureFormat, PortMap};
 use ca_io::perform::Performance;
 use ca_tests::catalog;
@@ -127,7 +127,7 @@ fn scene(name: &str) -> Scene {
 
 /// The keys that some port listens to, the lowest of each.
 fn keys(scene: &Scene) -> BTreeSet<u8> {
-    let low = |m: ca_core::io::midi::MidiMap| match m.source {
+    let low = |m: ca_core::internal::io::midi::MidiMap| match m.source {
         MidiSource::Note { low, .. } => Some(low),
         _ => None,
     };

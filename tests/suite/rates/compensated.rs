@@ -3,9 +3,8 @@
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::state::Unknown;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::state::Unknown;
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 use faer::c64;
 

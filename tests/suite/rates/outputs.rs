@@ -2,7 +2,8 @@
 
 use crate::play::{PI, TURN, apart, mat, reference, scene, with, within};
 use ca_compile::{Options, load};
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
+use ca_core::internal::scene::same_since;
 use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 
@@ -85,7 +86,7 @@ fn many_outputs_of_a_channel_are_summed_in_lanes() {
             let size: f64 = values.iter().map(|v| v.abs()).sum();
             within("beside the sum one by one", (sum - values.iter().sum::<f64>()).abs(), 1e-15 * size);
         }
-        assert_eq!(scene.same_since(), 1, "what was played one by one is compared to a tolerance");
+        assert_eq!(same_since(&scene), 1, "what was played one by one is compared to a tolerance");
     }
 }
 

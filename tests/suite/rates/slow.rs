@@ -3,8 +3,7 @@
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 
 /// A mass in a group and one at the sound rate, joined, the second held by a wall.

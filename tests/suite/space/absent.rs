@@ -12,7 +12,7 @@ fn passes(s: &Scene) -> Vec<&'static str> {
 fn arrays(s: &Scene) -> [usize; 17] {
     let t = s.state();
     let (few, many) = (&s.layout, &t);
-    let touches = usize::from(many.touches != ca_core::state::ActiveContacts::default());
+    let touches = usize::from(many.touches != ca_core::internal::state::ActiveContacts::default());
     [
         few.onto.len(),
         few.reach.len(),

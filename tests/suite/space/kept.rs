@@ -2,7 +2,7 @@
 //! state, and that a point which is put elsewhere feels no blow.
 
 use crate::play::{mat, scene, within};
-use ca_core::op::Vectors;
+use ca_core::internal::op::Vectors;
 use ca_core::{Scene, State, tick};
 
 const FS: f64 = 48e3;

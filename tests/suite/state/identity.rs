@@ -2,9 +2,7 @@
 
 use crate::play::{audited, scene, with};
 use ca_compile::Options;
-use ca_core::live::Patch;
-use ca_core::state::Identity;
-use ca_core::{Scene, State, compute_forces, integrate, process, tick};
+use ca_core::{Identity, Patch, Scene, State, compute_forces, integrate, process, tick};
 use ca_haptic::engine::{Change, Engine, EngineCommand, Port, Retired};
 use ca_tests::{KEY, profile, setup, texts};
 use std::collections::BTreeMap;

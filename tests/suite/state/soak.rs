@@ -6,8 +6,7 @@
 
 use crate::play::{Random, scene, with, within};
 use ca_compile::Options;
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::TestRunner;

@@ -2,7 +2,7 @@
 
 use super::completions;
 use super::{pair, quantity_of};
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! A page about a model or a take.
 
 use super::{Playing, Source, quantity_of};
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -8,12 +8,10 @@ use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::{String, ToString};
-use ca_core::kind::{Type, Unit};
-use ca_core::law::Bound;
-use ca_core::method::friction::STEEPEST;
-use ca_core::op::SolveStage;
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::growth::Growth;
+use ca_core::internal::method::friction::STEEPEST;
+use ca_core::internal::op::SolveStage;
+use ca_core::internal::scene::growth::Growth;
+use ca_core::{Bound, Certificate, Type, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::rounded;
 use ca_model::{Model, quantity};
@@ -56,7 +54,7 @@ pub fn contacts(
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
         let (q, p) = b.power;
-        if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || l.law.is_staged() {
+        if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || !l.law.stage.is_explicit() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
@@ -148,7 +146,7 @@ pub fn frictions(
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && !l.law.is_staged()) {
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && l.law.stage.is_explicit()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
         cert.friction = cert.friction.max(steep);
@@ -181,7 +179,7 @@ pub fn hardening(
 ) {
     let mut open = BTreeSet::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
-        if b.linear || b.contact || b.curve || l.law.is_staged() {
+        if b.linear || b.contact || b.curve || !l.law.stage.is_explicit() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
@@ -213,7 +211,7 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
 /// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.is_staged()) {
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
         let together = matches!(l.law.stage, SolveStage::Coupled);
         let d = if creeps(net, l) {
             decides.take(l, 0.0);

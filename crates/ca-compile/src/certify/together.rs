@@ -13,7 +13,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::scene::certificate::Certificate;
+use ca_core::Certificate;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
@@ -31,7 +31,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
     let mut sides: BTreeMap<(u32, u8, bool), Vec<Pressed>> = BTreeMap::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         let Measure::Line(axes) = l.measure else { continue };
-        if !b.contact || l.law.is_staged() || l.sets.is_some() {
+        if !b.contact || !l.law.stage.is_explicit() || l.sets.is_some() {
             continue;
         }
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));

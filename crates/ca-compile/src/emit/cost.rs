@@ -11,10 +11,10 @@
 //! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
 //! that exist has to stay. A test below says what the table would choose there.
 
-use ca_core::op::links::pair_set;
-use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
-use ca_core::scene::Scene;
-use ca_core::state::Fold;
+use ca_core::Scene;
+use ca_core::internal::op::links::pair_set;
+use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
+use ca_core::internal::state::Fold;
 
 /// A pass: `fixed` and for each module `each`; for links, `fixed_coef` and `each_coef` more for each coefficient of a law.
 #[derive(Clone, Copy)]
@@ -258,7 +258,7 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::emit::rows::batches;
-    use ca_core::op::pass::MANY;
+    use ca_core::internal::op::pass::MANY;
 
     /// Coefficients of RES and of REF.
     const LINEAR: [usize; 2] = [1, 2];

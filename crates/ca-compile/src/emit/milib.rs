@@ -14,10 +14,10 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::op::Op;
-use ca_core::op::layout::Layout;
-use ca_core::scene::{Order, Start, start};
-use ca_core::state::State;
+use ca_core::State;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::scene::{Order, Start, start};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
@@ -26,7 +26,7 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
         || layout.implicit.is_some()
-        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_staged()))
+        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || !l.stage.is_explicit()))
     {
         "another method than `ca`"
     } else if net.oversample > 1 {

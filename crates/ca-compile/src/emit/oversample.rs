@@ -7,9 +7,9 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::op::layout::{Layout, Substeps};
-use ca_core::op::{Op, Pass};
-use ca_core::scene::InputRole;
+use ca_core::InputRole;
+use ca_core::internal::op::layout::{Layout, Substeps};
+use ca_core::internal::op::{Op, Pass};
 
 /// Puts the ticks between samples in front of the passes of a sample, if the model asks for some.
 pub fn oversample(

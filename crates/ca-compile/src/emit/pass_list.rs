@@ -5,8 +5,8 @@ use crate::emit::plan::Plan;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
-use ca_core::op::{Op, Pass, SolveStage, pass};
+use ca_core::internal::op::layout::{Layout, Output, OutputRow, Tap};
+use ca_core::internal::op::{Op, Pass, SolveStage, pass};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {

@@ -1,9 +1,9 @@
-//! PEFRL: what its tick runs ([`ca_core::method::pefrl`]).
+//! PEFRL: what its tick runs ([`ca_core::internal::method::pefrl`]).
 
 use alloc::vec::Vec;
-use ca_core::method::pefrl::{DRIFTS, KICKS};
-use ca_core::op::layout::Layout;
-use ca_core::op::{Op, Pass};
+use ca_core::internal::method::pefrl::{DRIFTS, KICKS};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::{Op, Pass};
 
 /// What moves masses: drifts, and between them the `forces` again and a kick. `own`: there are springs of cells.
 pub fn moves(layout: &Layout, forces: &[Op], own: bool) -> Vec<Op> {

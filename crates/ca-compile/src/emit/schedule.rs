@@ -24,14 +24,18 @@ use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::PortRole;
-use ca_core::live::Loader;
-use ca_core::numeric::{Aligned, Precision, VerletList};
-use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
-use ca_core::op::{Op, Vectors};
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Before, InputRole, Location, Order, Scene, Start, Symbols, start};
-use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::live::Loader;
+use ca_core::internal::numeric::{Aligned, VerletList};
+use ca_core::internal::op::energy::empty_ledger;
+use ca_core::internal::op::layout::{
+    Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap,
+};
+use ca_core::internal::op::{Op, Vectors};
+use ca_core::internal::scene::symbols::SymbolsBuilder;
+use ca_core::internal::scene::{Before, Order, Start, identify, start};
+use ca_core::internal::state::{ActiveContacts, Border, Cell, Ramps, UNKNOWN};
+use ca_core::{Certificate, Identity, InputRole, Location, Precision, Scene, State};
 use ca_model::Model;
 use ca_model::diag::Diags;
 use ca_model::plain::plain;
@@ -212,7 +216,7 @@ pub fn schedule(
     let before = kept.then(|| Before { start: begin, state: loaded.clone(), forces: listed.clone() });
     let mut initial =
         if as_milib { milib::first(&layout, &listed, begin, loaded) } else { start(&layout, &listed, begin, loaded) };
-    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+    initial.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
     live.scene = initial.scene;
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
@@ -229,7 +233,7 @@ pub fn schedule(
         channel_names: net.channels.clone(),
         live,
         gestures: net.gestures.clone(),
-        symbols,
+        symbols: symbols.build(),
         certificate,
         equivalence: net.equivalence.clone(),
         couplings: options.couplings.clone(),
@@ -246,7 +250,7 @@ pub fn schedule(
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
     // links by the motion to come, and what they hold
-    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_staged());
+    let late = plan.net.lias.iter().filter(|l| l.law.implicit || !l.law.stage.is_explicit());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
     let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
     let implicit = |at: &u32| held.contains(at);
@@ -304,15 +308,14 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
 }
 
 /// The modules by name: MATs that stay, then links, whose passes have an `index` among the forces.
-fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbols {
+fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> SymbolsBuilder {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
-    let mut all = Symbols::with_capacity(mats.clone().count(), net.lias.len());
+    let mut all = SymbolsBuilder::with_capacity(mats.clone().count(), net.lias.len());
     mats.for_each(|(m, at)| all.push(&m.name, m.code, m.axes, Location::Mat(*at)));
     for (l, (op, k)) in net.lias.iter().zip(&links.where_is) {
         all.push(&l.name, l.law.code, 1, Location::Lia(index(*op as usize) as u32, *k));
     }
-    all.shrink_to_fit();
     all
 }
 
@@ -341,7 +344,7 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
         written: Default::default(),
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
         touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
-        ledger: layout.ledger.as_ref().map(|_| Box::new(Ledger::new(layout))),
+        ledger: layout.ledger.as_ref().map(|_| Box::new(empty_ledger(layout))),
         tick: 0,
         refused: 0,
         input,

@@ -8,11 +8,11 @@ use crate::net::{End, MatRole, OutputTap, Pruned};
 use crate::passes::slow::SlowPart;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::border;
-use ca_core::op::layout::{Copied, Layout, Response, SlowGroup};
-use ca_core::op::{MeasureKind, Op, Pass};
-use ca_core::scene::Scene;
-use ca_core::state::{SlowState, State};
+use ca_core::internal::border;
+use ca_core::internal::op::layout::{Copied, Layout, Response, SlowGroup};
+use ca_core::internal::op::{MeasureKind, Op, Pass};
+use ca_core::internal::state::SlowState;
+use ca_core::{Scene, State};
 
 /// The groups, compiled at their own rate.
 pub struct Slow<'a> {
@@ -128,8 +128,9 @@ impl Tick {
     /// What of a tick answers in proportion, of passes before rows are fused: a metre at each place says nothing of a contact.
     pub fn proportional(forces: &[Op], moves: Vec<Op>) -> Tick {
         let radial = |op: &Op| [Some(op.form.measure), op.form.onto].contains(&Some(MeasureKind::Radial));
-        let is =
-            |op: &&Op| op.law.is_none_or(|l| l.linear && l.mem == 0 && !l.is_staged() && !op.form.set && !radial(op));
+        let is = |op: &&Op| {
+            op.law.is_none_or(|l| l.linear && l.mem == 0 && l.stage.is_explicit() && !op.form.set && !radial(op))
+        };
         Tick { forces: forces.iter().filter(is).copied().collect(), moves }
     }
 }

@@ -200,7 +200,7 @@ fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
         // what is not finite is not for here to find out
-        if rho.is_nan() || rho <= goal {
+        if rho.wide().is_nan() || rho <= goal {
             break;
         }
         respond(list, to);

@@ -96,11 +96,6 @@ pub trait Real:
     fn is_finite(self) -> bool {
         self.wide().is_finite()
     }
-    /// True where the value is NaN.
-    #[inline(always)]
-    fn is_nan(self) -> bool {
-        self.wide().is_nan()
-    }
 }
 
 /// A number whose bits a plan can hold ([`Scene::to_bytes`](crate::Scene::to_bytes)): `f64`.

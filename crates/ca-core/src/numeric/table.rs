@@ -77,7 +77,7 @@ impl Table {
 
 impl<R: Real> Table<R> {
     /// The same table over another number; `None` where its abscissae do not rise there.
-    pub fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
+    pub(crate) fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
         let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| Q::of(v.wide())).collect());
         let rises = x.windows(2).all(|x| x[1] > x[0]) && x.iter().chain(&y).all(|v| v.is_finite());
         rises.then(|| Table::of(x, y, Q::of(self.per.wide())))
@@ -176,7 +176,7 @@ impl<R: Real> Table<R> {
     }
 
     /// The same of the segments that lie between `from` and `to`, in part or as a whole; 0 beyond the ends.
-    pub fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
+    pub(crate) fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
         let within = |i: &usize| self.x[*i].wide() < to && self.x[*i + 1].wide() > from;
         let beyond = from < self.x[0].wide() || to > self.x[self.x.len() - 1].wide();
         let first = if beyond { (0.0, 0.0) } else { (f64::MIN, f64::MAX) };
@@ -186,7 +186,7 @@ impl<R: Real> Table<R> {
     }
 
     /// True where y has the sign of x everywhere: as friction it only takes energy.
-    pub fn resists(&self) -> bool {
+    pub(crate) fn resists(&self) -> bool {
         self.x.iter().zip(&self.y).all(|(x, y)| *x * *y >= R::ZERO) && self.at(R::ZERO) == R::ZERO
     }
 }

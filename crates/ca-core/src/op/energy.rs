@@ -15,26 +15,24 @@ use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
 
-impl<R: Real> Ledger<R> {
-    /// An empty ledger for a layout.
-    pub fn new(layout: &Layout<R>) -> Ledger<R> {
-        let Layout { n_mat, n_lia, .. } = *layout;
-        let (points, tgr) = (layout.moving_points.len(), layout.tgr.len());
-        let ports = layout.enx.len() + tgr + layout.enf.len();
-        let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
-        Ledger {
-            lost: alloc::vec![R::Outer::ZERO; n_lia],
-            scheme_error: alloc::vec![R::Outer::ZERO; n_lia],
-            stored: alloc::vec![R::Outer::ZERO; n_lia],
-            d0: alloc::vec![R::ZERO; n_mat],
-            port: alloc::vec![R::Outer::ZERO; ports],
-            work: alloc::vec![R::Outer::ZERO; ports],
-            hands: alloc::vec![Exchange::default(); tgr],
-            points: alloc::vec![[R::ZERO; 2]; points],
-            stored_batches: alloc::vec![R::Outer::ZERO; accounts],
-            mass: alloc::vec![R::Outer::ZERO; n_mat],
-            ..Ledger::default()
-        }
+/// An empty ledger for a layout.
+pub fn empty_ledger<R: Real>(layout: &Layout<R>) -> Ledger<R> {
+    let Layout { n_mat, n_lia, .. } = *layout;
+    let (points, tgr) = (layout.moving_points.len(), layout.tgr.len());
+    let ports = layout.enx.len() + tgr + layout.enf.len();
+    let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
+    Ledger {
+        lost: alloc::vec![R::Outer::ZERO; n_lia],
+        scheme_error: alloc::vec![R::Outer::ZERO; n_lia],
+        stored: alloc::vec![R::Outer::ZERO; n_lia],
+        d0: alloc::vec![R::ZERO; n_mat],
+        port: alloc::vec![R::Outer::ZERO; ports],
+        work: alloc::vec![R::Outer::ZERO; ports],
+        hands: alloc::vec![Exchange::default(); tgr],
+        points: alloc::vec![[R::ZERO; 2]; points],
+        stored_batches: alloc::vec![R::Outer::ZERO; accounts],
+        mass: alloc::vec![R::Outer::ZERO; n_mat],
+        ..Ledger::default()
     }
 }
 

@@ -25,6 +25,7 @@ pub(crate) mod wide;
 pub use account::Energies;
 use layout::Layout;
 pub use layout::{MeasureKind, Ports, Way};
+pub use links::law::{family, loaded, started};
 pub use wide::Vectors;
 
 /// One pass, run once per tick.
@@ -390,6 +391,13 @@ pub enum SolveStage {
     Single(&'static Law),
     /// after all others, collected link by link and then computed at once by [`Pass::Contacts`]
     Coupled,
+}
+
+impl SolveStage {
+    /// True where the force does not depend on the motion that others would cause.
+    pub const fn is_explicit(&self) -> bool {
+        matches!(self, SolveStage::Explicit)
+    }
 }
 
 /// What is known of a parameter when a law is specialised.

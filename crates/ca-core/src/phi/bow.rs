@@ -6,10 +6,10 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
-//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd ([`crate::method`]).
+//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd (`method`).
 //! Stability: the slope f/v0 counts as a viscosity; with method "ca" slope·T/m < 1.5 for a faithful stick
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
-//! and "newton" are passive at any slope ([`crate::method`]). Test: B07.
+//! and "newton" are passive at any slope (`method`). Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};

@@ -4,7 +4,7 @@
 //! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
 //! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
 //! Stability: method "ca" is not passive at any stiffness; unstable while it presses from kT²/m + 2zT/m = 4 on. With kT²/m ≤ 1 and
-//! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
+//! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness (`method`).
 //! Test: A17, B05, C01 to C06.
 
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};

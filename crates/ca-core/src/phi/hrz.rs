@@ -3,7 +3,7 @@
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p max(0, 1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
 //! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point, unstable there from 4 on with its losses. "stable" and "stable3d" are passive
-//! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
+//! at any stiffness (`method`). It never pulls. Test: B04.
 
 use super::pow::P;
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};

@@ -7,12 +7,14 @@
 
 use super::{Before, Scene, start};
 use crate::numeric::{Precision, Real, Table, VerletList};
+use crate::op::energy::empty_ledger;
 use crate::op::layout::{
     Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
     SlowGroup, Substeps, Termination, Waves,
 };
 use crate::op::{Band, Form, Integrate, Laws, Op};
-use crate::state::{ActiveContacts, Cell, Identity, Ledger, Ramps, SlowState, State};
+use crate::scene::identify;
+use crate::state::{ActiveContacts, Cell, Ledger, Ramps, SlowState, State};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -63,7 +65,7 @@ impl Scene {
             Some(b) if R::PRECISION == Precision::Single => start(&layout, &b.forces, b.start, b.state.clone()),
             _ => state(&self.initial, &layout),
         };
-        initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+        initial.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
         let mut live = self.live.clone();
         live.scene = initial.scene;
         Ok(Scene {
@@ -257,7 +259,7 @@ fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Un
 
 /// A state at load.
 fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
-    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..Ledger::new(layout) }));
+    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..empty_ledger(layout) }));
     let slow = s.slow.as_ref().zip(layout.slow.as_ref()).map(|(slow, group)| {
         let SlowState { state: own, ports, unknown, free } = &**slow;
         let own = state(own, &group.layout);

@@ -111,43 +111,6 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// That of a scene and of its groups at the gesture rate together, from one of each by itself: what crosses between them is
-    /// exact, if not `compensated`, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
-    #[must_use]
-    pub fn beside(self, slow: Certificate, compensated: bool) -> Certificate {
-        let nearer = slow.bound > self.bound;
-        let closer = slow.margin() < self.margin();
-        let largest = match (self.largest, slow.largest) {
-            (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
-            (a, b) => a.or(b),
-        };
-        let depth = match (self.depth, slow.depth) {
-            (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
-            (a, b) => a.or(b),
-        };
-        let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
-        let decides = if closer || self.decides.is_empty() { slow.decides } else { self.decides };
-        let open = self.open.into_iter().chain(slow.open).collect();
-        Certificate {
-            level: self.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
-            bound: self.bound.max(slow.bound),
-            lower: self.lower.max(slow.lower),
-            exact: self.exact || slow.exact,
-            largest,
-            // of a scene that is left alone
-            ripple: None,
-            worst: if nearer { slow.worst } else { self.worst },
-            contact: self.contact.max(slow.contact),
-            stiffest,
-            closed: self.closed.max(slow.closed),
-            decides,
-            open,
-            depth,
-            friction: self.friction.max(slow.friction),
-            ..self
-        }
-    }
-
     /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
     /// the rules leave to the stiffest contact (up to 1, and 4 with its viscosity) and the steepest friction (up to 1.5), where
     /// that is less.

@@ -16,50 +16,45 @@ use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
 
 /// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
-/// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
+/// [`same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
 /// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
 /// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J; 5: set-valued friction sticks from the first tick on where
 /// nothing moves at load. Takes of before 5 are begun as they were, and so play the same bits.
 pub const ARITHMETIC: u32 = 5;
 
-impl<R: Real> Scene<R> {
-    /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
-    pub fn same_since(&self) -> u32 {
-        let measures = |op: &Op<R>| {
-            let second = op.ports.onto.map(|onto| onto.0);
-            op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
-        };
-        if self.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
-            return 4;
-        }
-        if self.sorted {
-            return 3;
-        }
-        if !self.layout.enf.is_empty() {
-            return 2;
-        }
-        u32::from(self.forces.iter().any(measures) || !self.layout.output_rows.is_empty())
+/// The oldest arithmetic that plays a scene to the same bits as [`ARITHMETIC`].
+pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
+    let measures = |op: &Op<R>| {
+        let second = op.ports.onto.map(|onto| onto.0);
+        op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
+    };
+    if scene.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
+        return 4;
     }
+    if scene.sorted {
+        return 3;
+    }
+    if !scene.layout.enf.is_empty() {
+        return 2;
+    }
+    u32::from(scene.forces.iter().any(measures) || !scene.layout.output_rows.is_empty())
 }
 
-impl Identity {
-    /// That of the scene with these arrays, passes and state at load.
-    pub fn of<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
-        let mut h = Words(fnv::FnvHasher::default());
-        h.layout(layout);
-        for list in passes {
-            h.all(
-                list.iter().map(|o| {
-                    (o.name, o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)
-                }),
-            );
-        }
-        h.word(initial.bits());
-        h.debug(&initial.input);
-        h.debug(&initial.ramps);
-        Identity(h.0.finish().max(1))
+/// The identity of the scene with these arrays, passes and state at load.
+pub fn identify<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
+    let mut h = Words(fnv::FnvHasher::default());
+    h.layout(layout);
+    for list in passes {
+        h.all(
+            list.iter()
+                .map(|o| (o.name, o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)),
+        );
     }
+    h.word(initial.bits());
+    h.debug(&initial.input);
+    h.debug(&initial.ramps);
+    Identity(h.0.finish().max(1))
 }
 
 /// A hash of words. What is long goes in as bits; what is short, as it is written for debugging, which leaves out no

@@ -25,7 +25,8 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 pub use bind::Unbound;
 use certificate::Certificate;
-pub use identity::ARITHMETIC;
+pub use identity::{ARITHMETIC, identify, same_since};
+pub use numbers::{numbers, structure};
 #[cfg(feature = "bytes")]
 pub use plan::{PLAN_VERSION, Plan, PlanError};
 pub use start::{Order, Start, start};
@@ -187,25 +188,6 @@ impl<R: Real> Scene<R> {
         self.symbols.lias().len()
     }
 
-    /// Modules of one of its passes. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
-    /// two directions.
-    pub fn modules(&self, op: &Op<R>) -> usize {
-        if op.law.is_none() || op.form.stride == 0 {
-            return op.n;
-        }
-        // the links of a pass that integrates are listed behind those of the others, both directions of a mesh from one mass on
-        let fused = self.summed().len();
-        let runs = |i: usize| {
-            let listed = &self.forces[i];
-            if i < fused {
-                listed.first == op.first
-            } else {
-                listed.mat == op.mat && op.form.integrate != Integrate::No
-            }
-        };
-        self.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
-    }
-
     /// The index into [`State::input`] of the port `name`.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.name == name)
@@ -220,28 +202,43 @@ impl<R: Real> Scene<R> {
     pub fn audited_name(&self, link: usize) -> Option<Cow<'static, str>> {
         let of = |a: &&Account<R>| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
-        Some(self.lia_name(account.op, link - account.first))
-    }
-
-    /// The links in the ledger, each with its number there: all at once, since one by one they are looked for anew.
-    pub fn audited_links(&self) -> impl Iterator<Item = (usize, Name)> + '_ {
-        let accounts = self.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
-        self.symbols.iter().skip(self.symbols.mats()).filter_map(|s| {
-            let Location::Lia(op, i) = s.location else { return None };
-            let of = accounts.iter().find(|a| a.op == op as usize)?;
-            Some((of.first + i as usize, s.name))
-        })
+        Some(lia_name(self, account.op, link - account.first))
     }
 
     /// The live parameters, to be played.
     pub fn controls(&self) -> Controls {
         Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample()))).over::<R>()
     }
+}
 
-    /// Name of a link by op and position.
-    pub fn lia_name(&self, op: usize, i: usize) -> Cow<'static, str> {
-        self.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
+/// Name of a link of a scene by op and position.
+pub fn lia_name<R: Real>(scene: &Scene<R>, op: usize, i: usize) -> Cow<'static, str> {
+    scene.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
+}
+
+/// Modules of a pass of a scene. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
+/// two directions.
+pub fn modules<R: Real>(scene: &Scene<R>, op: &Op<R>) -> usize {
+    if op.law.is_none() || op.form.stride == 0 {
+        return op.n;
     }
+    // the links of a pass that integrates are listed behind those of the others, both directions of a mesh from one mass on
+    let fused = scene.summed().len();
+    let runs = |i: usize| {
+        let listed = &scene.forces[i];
+        if i < fused { listed.first == op.first } else { listed.mat == op.mat && op.form.integrate != Integrate::No }
+    };
+    scene.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
+}
+
+/// The links in the ledger of a scene, each with its number there: all at once, since one by one they are looked for anew.
+pub fn audited_links<R: Real>(scene: &Scene<R>) -> impl Iterator<Item = (usize, Name)> + '_ {
+    let accounts = scene.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
+    scene.symbols.iter().skip(scene.symbols.mats()).filter_map(|s| {
+        let Location::Lia(op, i) = s.location else { return None };
+        let of = accounts.iter().find(|a| a.op == op as usize)?;
+        Some((of.first + i as usize, s.name))
+    })
 }
 
 /// A scene reads as its layout, with names added: `scene.n_mat`, `scene.sample_dt`.

@@ -3,29 +3,27 @@
 //! Decides that the derivatives of coefficients, places and lengths by a parameter of the model are had from outside, by
 //! differences between scenes that were compiled with other values of it (`ca-gradient`): the compiler computes smooth
 //! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
-//! runs, and has to be the same in all of them: [`Scene::structure`].
+//! runs, and has to be the same in all of them: [`structure`].
 
 use crate::numeric::Real;
 use crate::op::layout::{Layout, Termination};
-use crate::scene::Scene;
+use crate::scene::{Scene, identify};
 use crate::state::{Identity, State};
 
-impl<R: Real<Outer = R>> Scene<R> {
-    /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
-    /// gesture rate, and of device ports.
-    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
-        layout(&mut self.layout, visit);
-        state(&mut self.initial, visit);
-        if let Some(before) = &mut self.before {
-            state(&mut before.state, visit);
-        }
+/// Calls `visit` for each number; in the same order for scenes of one [`structure`]. Not those of groups at the gesture rate,
+/// and of device ports.
+pub fn numbers<R: Real<Outer = R>>(scene: &mut Scene<R>, visit: &mut impl FnMut(&mut R)) {
+    layout(&mut scene.layout, visit);
+    state(&mut scene.initial, visit);
+    if let Some(before) = &mut scene.before {
+        state(&mut before.state, visit);
     }
+}
 
-    /// What all of a scene but its numbers is known by; these are 0 afterwards.
-    pub fn structure(&mut self) -> Identity {
-        self.numbers(&mut |v| *v = R::ZERO);
-        Identity::of(&self.layout, [&self.reads, &self.forces, &self.writes, &self.moves], &self.initial)
-    }
+/// What all of a scene but its numbers is known by; these are 0 afterwards.
+pub fn structure<R: Real<Outer = R>>(scene: &mut Scene<R>) -> Identity {
+    numbers(scene, &mut |v| *v = R::ZERO);
+    identify(&scene.layout, [&scene.reads, &scene.forces, &scene.writes, &scene.moves], &scene.initial)
 }
 
 fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mut R)) {

@@ -227,14 +227,13 @@ pub struct State<R: Real = f64> {
     pub refused: u64,
 }
 
-impl<R: Real> State<R> {
-    /// How many numbers say where masses are, and how many are coefficients: those of the document, wherever rows stand.
-    pub fn shape(&self) -> [usize; 2] {
-        let [slots, coefs] = &self.written;
-        [(slots, &self.x), (coefs, &self.coef)]
-            .map(|(order, all)| if order.is_empty() { all.len() } else { order.len() })
-    }
+/// How many numbers of a state say where masses are, and how many are coefficients: those of the document, wherever rows stand.
+pub fn shape<R: Real>(state: &State<R>) -> [usize; 2] {
+    let [slots, coefs] = &state.written;
+    [(slots, &state.x), (coefs, &state.coef)].map(|(order, all)| if order.is_empty() { all.len() } else { order.len() })
+}
 
+impl<R: Real> State<R> {
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
     /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine, wherever
     /// rows stand.
@@ -288,12 +287,6 @@ impl<R: Real> State<R> {
         // a look at each number by itself takes as long as a tick; a block at a time is a loop of vectors
         let within = |block: &[R]| block.iter().fold(true, |all, v| all & (v.abs().wide() < limit));
         self.x.chunks(64).chain(self.d.chunks(64)).all(within)
-    }
-
-    /// The MAT with the largest displacement, or the first that is not finite.
-    pub fn furthest(&self) -> usize {
-        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { self.x[*i].abs().wide() };
-        (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 
     /// The value of a position input; one that is not finite is replaced by the last good one, and counted.

@@ -2,14 +2,11 @@
 
 use crate::numbers;
 use ca_core::equivalence::{Equivalence, Gains};
-use ca_core::kind::Role;
-use ca_core::live::LivePlan;
-use ca_core::numeric::Aligned;
-use ca_core::op::layout::{Enf, Enx, Layout, Output, Tap};
-use ca_core::op::{Form, Law, Op, Pass};
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Input, InputRole, Symbols};
-use ca_core::{Scene, State, integrate, process, tick};
+use ca_core::internal::live::LivePlan;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::{Enf, Enx, Layout, Output, Tap};
+use ca_core::internal::op::{Form, Op, Pass};
+use ca_core::{Certificate, Input, InputRole, Law, Role, Scene, State, Symbols, integrate, process, tick};
 
 const RATE: f64 = 48_000.0;
 
@@ -96,7 +93,7 @@ impl Row {
     }
 }
 
-fn law(kind: &'static ca_core::kind::Kind) -> &'static Law {
+fn law(kind: &'static ca_core::Kind) -> &'static Law {
     let Role::Lia(law) = kind.role else { panic!("{} is no link", kind.code) };
     law
 }
@@ -129,7 +126,7 @@ fn a_row_is_its_links_one_by_one() {
     let coefs: Vec<Vec<f64>> = (1..n).map(|_| vec![1.0 + next(), 0.1 * next()]).collect();
     let start: Vec<f64> = (0..n).map(|_| 1e-3 * (next() - 0.5)).collect();
     let play = |row: bool| {
-        let (scene, mut s) = Row::new(&mats).join(law(&ca_core::phi::REF), &coefs, row).hear(3);
+        let (scene, mut s) = Row::new(&mats).join(law(&ca_core::internal::phi::REF), &coefs, row).hear(3);
         s.x.copy_from_slice(&start);
         (0..5_000).for_each(|_| tick(&scene, &mut s));
         s
@@ -159,7 +156,8 @@ fn a_row_is_its_links_one_by_one() {
 fn a_string_without_loss_keeps_its_energy() {
     let n = 40;
     let coefs = vec![vec![1.0]; n - 1];
-    let (scene, mut s) = Row::new(&vec![[1.0, 0.0, 0.5]; n]).join(law(&ca_core::phi::res::KIND), &coefs, true).hear(0);
+    let (scene, mut s) =
+        Row::new(&vec![[1.0, 0.0, 0.5]; n]).join(law(&ca_core::internal::phi::res::KIND), &coefs, true).hear(0);
     s.x[7] = 1e-3;
     let energy = |s: &State| {
         let kinetic: f64 = s.d.iter().map(|d| d * d).sum();

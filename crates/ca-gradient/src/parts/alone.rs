@@ -4,12 +4,13 @@
 //! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
 //! dual numbers too; a system of its derivatives would have to be kept in step with that of the tick.
 
-use ca_core::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
+use ca_core::internal::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
 use ca_core::{Scene, State};
 
-use ca_core::numeric::{Aligned, Dual, TANGENTS};
-use ca_core::op::layout::Layout;
-use ca_core::state::ActiveContacts;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::state::ActiveContacts;
+use ca_core::{Dual, TANGENTS};
 use std::ops::Range;
 
 /// A port of a link.

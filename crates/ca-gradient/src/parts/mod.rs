@@ -15,9 +15,9 @@ pub mod rows;
 pub mod small;
 
 use alone::slots;
-use ca_core::Scene;
-use ca_core::op::layout::{MeasureKind, Tap};
-use ca_core::op::{Integrate, Law, Op, SolveStage};
+use ca_core::internal::op::layout::{MeasureKind, Tap};
+use ca_core::internal::op::{Integrate, Op, SolveStage};
+use ca_core::{Law, Scene};
 
 /// The parts of a tick.
 pub struct Parts {

@@ -1,7 +1,7 @@
 //! Outputs: what each of a scene hears, and how.
 
 use ca_core::Scene;
-use ca_core::op::layout::{Output, Tap};
+use ca_core::internal::op::layout::{Output, Tap};
 
 /// An output of a scene.
 pub struct Listed {

@@ -3,9 +3,8 @@
 use crate::parts::Link;
 use crate::parts::alone::Alone;
 use crate::parts::record::Row;
-use ca_core::Scene;
-use ca_core::numeric::Dual;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
+use ca_core::{Dual, Scene};
 
 /// A link that is run alone, at its place, or some that are solved together.
 pub struct Placed {

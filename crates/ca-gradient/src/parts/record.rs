@@ -1,9 +1,9 @@
 //! Record: a stretch of ticks, played once more for the way back.
 
 use crate::parts::{Link, Parts};
-use ca_core::numeric::Aligned;
-use ca_core::op::Op;
-use ca_core::op::layout::Tap;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Tap;
 use ca_core::{Scene, State};
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub struct Row<'a> {
     pub cells: &'a [f64],
     /// coefficients that ports drive, as [`Parts::driven`]
     pub driven: &'a [f64],
-    /// forces on masses that go by modes, as [`Layout::modal`](ca_core::op::layout::Layout::modal)
+    /// forces on masses that go by modes, as [`Layout::modal`](ca_core::internal::op::layout::Layout::modal)
     pub modal: &'a [f64],
     /// what high passes heard last and gave, where some parameter changes them (any x 2)
     pub passed: &'a [f64],

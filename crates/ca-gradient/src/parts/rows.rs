@@ -2,8 +2,8 @@
 
 use crate::parts::Basis;
 use ca_core::Scene;
-use ca_core::op::{Band, Op};
-use ca_core::state::Fold;
+use ca_core::internal::op::{Band, Op};
+use ca_core::internal::state::Fold;
 
 /// The linear links of a pass.
 pub struct Rows {

@@ -5,7 +5,7 @@
 
 use crate::parts::Parts;
 use crate::parts::rows::Rows;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use ca_core::{Scene, State};
 
 /// As many of a pass.

@@ -8,7 +8,7 @@ use crate::parts::no;
 use crate::played::{BLOCK, diverged, frames_of, known, zeros};
 use crate::{Error, GoesOn};
 use ca_core::State;
-use ca_core::numeric::Aligned;
+use ca_core::internal::numeric::Aligned;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{self, Performance};
 use std::sync::Arc;

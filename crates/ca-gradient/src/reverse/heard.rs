@@ -3,7 +3,7 @@
 use crate::parts::outputs::{Listed, listed};
 use crate::parts::record::Row;
 use ca_core::Scene;
-use ca_core::op::layout::{DcBlocker, Tap};
+use ca_core::internal::op::layout::{DcBlocker, Tap};
 
 /// What an output hears, and how.
 struct Heard {

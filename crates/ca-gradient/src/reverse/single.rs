@@ -4,9 +4,8 @@ use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
-use ca_core::numeric::Dual;
-use ca_core::op::{MeasureKind, Op};
-use ca_core::{Scene, State};
+use ca_core::internal::op::{MeasureKind, Op};
+use ca_core::{Dual, Scene, State};
 
 /// Where adjoints go.
 pub struct Adjoints<'w> {
@@ -144,9 +143,9 @@ fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, 
 /// Links between all pairs of two sets that touch, one after the other.
 pub struct Pairs {
     alone: Alone,
-    /// index into [`Layout::pair_sets`](ca_core::op::layout::Layout::pair_sets)
+    /// index into [`Layout::pair_sets`](ca_core::internal::op::layout::Layout::pair_sets)
     set: usize,
-    near: ca_core::numeric::VerletList,
+    near: ca_core::internal::numeric::VerletList,
     idle: (f64, f64),
     numbers: Vec<(usize, usize)>,
     /// numbers of the rest positions, where some parameter changes them (any)
@@ -165,7 +164,7 @@ impl Pairs {
     ) -> Option<Pairs> {
         let set = op.ports.pair_set?;
         // the distance of a pair is measured anew in each tick
-        let one = Op { form: ca_core::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
+        let one = Op { form: ca_core::internal::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
         let mut alone = Alone::new(&one, dual)?;
         let sh = &alone.shape;
         let coefs = sh.coef()..sh.coef() + sh.coefs;
@@ -179,7 +178,7 @@ impl Pairs {
         let rest = if moves { place.layout.rest.iter().map(|v| number(*v)).collect() } else { Vec::new() };
         let reach = if moves { sh.reach()..sh.reach() + 3 } else { 0..0 };
         let wanted = sh.carried(true).into_iter().chain(numbers.iter().map(|n| n.0)).chain(reach).collect();
-        let near = ca_core::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
+        let near = ca_core::internal::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
         Some(Pairs { alone, set, near, idle, numbers, rest, wanted })
     }
 

@@ -5,7 +5,7 @@
 
 use crate::parts::record::Row;
 use crate::parts::{Basis, Parts, number};
-use ca_core::op::Band;
+use ca_core::internal::op::Band;
 use ca_core::{Scene, State};
 
 /// A linear link whose force is heard.

@@ -7,8 +7,7 @@ use crate::parts::alone::Port;
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
-use ca_core::numeric::{Dual, TANGENTS};
-use ca_core::{Scene, State};
+use ca_core::{Dual, Scene, State, TANGENTS};
 
 /// A number of the state that a link reads: of a place or a motion that less that of a first end, where only their difference counts.
 enum Read {

@@ -22,10 +22,9 @@ use crate::parts::small::Small;
 use crate::parts::{Link, Parts, number, unknown};
 use crate::played::diverged;
 use added::Added;
-use ca_core::numeric::Aligned;
-use ca_core::numeric::Dual;
-use ca_core::op::layout::Layout;
-use ca_core::{Scene, State};
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::Layout;
+use ca_core::{Dual, Scene, State};
 use ca_io::perform::DIVERGED;
 use gains::Gains;
 use link::Moving;
@@ -96,10 +95,10 @@ impl Tangent {
         }
         // of links that are heard not only the passes read these
         let sums = self.parts.linear.iter().map(|(k, _)| &scene.forces[*k]).filter(|op| !op.form.tap);
-        let heard = |op: &&ca_core::op::Op| l.heard.is_empty() || op.law.is_none();
+        let heard = |op: &&ca_core::internal::op::Op| l.heard.is_empty() || op.law.is_none();
         let rows = self.parts.rows.iter().map(|(k, _)| &scene.moves[*k]).filter(heard);
         for op in sums.chain(rows) {
-            let passes = if op.form.band == ca_core::op::Band::None { 1 } else { 2 };
+            let passes = if op.form.band == ca_core::internal::op::Band::None { 1 } else { 2 };
             know(&start.coef[op.coef..][..op.law?.coefs * op.n * passes]);
             know(&l.e0[op.first..][..op.n * passes]);
         }

@@ -5,7 +5,7 @@
 //! in the same ticks: where a contact closes a tick later, two renders have no difference but a jump.
 
 use ca_gradient::{Forward, Parameter, Tangents};
-use cordis_anima::ca_core::scene::Location;
+use cordis_anima::ca_core::Location;
 use cordis_anima::ca_io::perform::Performance;
 use cordis_anima::ca_model::{Entry, Value};
 use cordis_anima::{Loaded, Options, Scene};

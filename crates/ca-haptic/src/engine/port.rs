@@ -7,8 +7,8 @@ use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use crate::guard::input::{FrameVerdict, InputValidator};
 use crate::guard::{Chain, GuardFrame};
 use crate::profile::Profile;
-use ca_core::scene::{Coupling, InputRole};
-use ca_core::{Scene, State};
+use ca_core::internal::scene::Coupling;
+use ca_core::{InputRole, Scene, State};
 
 /// A degree of freedom of a device, and the port of the scene it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,10 +9,9 @@
 use super::port::{Port, Setup};
 use super::touch::Hands;
 use crate::guard::Order;
-use ca_core::border::group;
-use ca_core::op::layout::SlowGroup;
-use ca_core::scene::{InputRole, Location};
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::internal::border::group;
+use ca_core::internal::op::layout::SlowGroup;
+use ca_core::{InputRole, Location, Scene, State, compute_forces, integrate};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -84,7 +83,7 @@ fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] 
 /// First place and axes of each MAT, by name.
 fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
     let mats = (0..scene.mats()).filter_map(|i| scene.symbols.get(i));
-    let place = |s: ca_core::scene::Symbol| {
+    let place = |s: ca_core::Symbol| {
         let Location::Mat(place) = s.location else { return None };
         Some((s.name.to_string(), (place, if s.axes > 1 { 3 } else { 1 })))
     };
@@ -113,7 +112,7 @@ impl Swap {
         if devices(old) != devices(&scene) {
             return differs("the devices");
         }
-        let same = |i: &ca_core::scene::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
+        let same = |i: &ca_core::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
         let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();

@@ -8,8 +8,7 @@
 //! gesture are the recorder's, which knows what else was set: they come as changes.
 
 use ca_core::pointer::Pointer;
-use ca_core::scene::InputRole;
-use ca_core::{Scene, State};
+use ca_core::{InputRole, Scene, State};
 use ca_io::gesture::{Track, own};
 
 /// Time a port takes to where a slider sends it \[s\]: that of a page speaks 60 times a second.

@@ -9,8 +9,7 @@
 use super::read::{Event, Take};
 use super::replay::Replay;
 use crate::version;
-use ca_core::scene::{Input, InputRole};
-use ca_core::{Catalog, Scene};
+use ca_core::{Catalog, Input, InputRole, Scene};
 use ca_io::error::FileError;
 use ca_io::gesture::{Gesture, Track};
 use std::path::Path;

@@ -5,7 +5,7 @@
 
 use ca_compile::{Compiled, Options as Compile, compile};
 use ca_core::Scene;
-use ca_core::border::{Delays, delays};
+use ca_core::internal::border::{Delays, delays};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::coupling::meet;
 use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};

@@ -16,9 +16,8 @@
 use crate::error::{FileError, shown};
 #[cfg(feature = "files")]
 use crate::{error::FileErrorKind, reading};
-use ca_core::Scene;
-use ca_core::io::midi::MidiMap;
-use ca_core::scene::Input;
+use ca_core::internal::io::midi::MidiMap;
+use ca_core::{Input, Scene};
 use std::path::Path;
 
 #[cfg(feature = "files")]

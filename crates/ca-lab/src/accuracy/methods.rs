@@ -10,8 +10,7 @@ use crate::Failure;
 use crate::catalog;
 use crate::load::{self, Loaded};
 use ca_compile::Options;
-use ca_core::Scene;
-use ca_core::kind::Type;
+use ca_core::{Scene, Type};
 use ca_model::diag::Severity;
 
 /// The method of a model that nothing is asked of.

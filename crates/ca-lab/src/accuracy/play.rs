@@ -2,8 +2,7 @@
 
 use super::Steps;
 use crate::Failure;
-use ca_core::Scene;
-use ca_core::state::Balance;
+use ca_core::{Balance, Scene};
 use ca_io::perform::{DIVERGED, Performance};
 use std::time::Instant;
 

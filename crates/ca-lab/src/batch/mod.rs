@@ -18,7 +18,7 @@ use crate::outcome::Outcome;
 use crate::play::{self, BLOCK, Sample};
 use ca_compile::Options;
 use ca_core::Scene;
-use ca_core::op::SolveStage;
+use ca_core::internal::op::SolveStage;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;

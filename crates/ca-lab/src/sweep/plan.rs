@@ -21,7 +21,7 @@ use super::{Audio, Axis, MOST, Sweep, SweepSpec, counted, folder, measured_so, v
 use crate::load::{self, stem};
 use crate::{Failure, Found, gesture};
 use ca_compile::Options;
-use ca_core::kind::{ABOVE_ZERO, Unit};
+use ca_core::{ABOVE_ZERO, Unit};
 use ca_model::diag::Diags;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Span, Value, quantity};

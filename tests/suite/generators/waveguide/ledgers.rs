@@ -52,7 +52,7 @@ fn a_note_loses_sixty_decibels_in_its_time() {
 #[test]
 fn without_one_there_is_no_trace() {
     let scene = scene("[CEL]\nbar = { m = 1, f = 440 }\n[SOX]\nout = { from = \"bar\" }\n");
-    assert!(scene.waves == ca_core::op::layout::Waves::default() && scene.state().mem.is_empty());
+    assert!(scene.waves == ca_core::internal::op::layout::Waves::default() && scene.state().mem.is_empty());
     assert!(scene.forces.iter().chain(&scene.moves).all(|op| !op.name.starts_with("waves")));
     // and one that nobody hears leaves none
     let scene = crate::play::scene(

@@ -7,7 +7,7 @@ mod played;
 mod tuning;
 
 use crate::play::TURN;
-use ca_core::op::layout::Termination;
+use ca_core::internal::op::layout::Termination;
 use ca_core::{Scene, tick};
 
 /// A string of these parameters at 48 kHz, heard at its first junction, and whatever else is in the model.

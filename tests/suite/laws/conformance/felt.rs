@@ -10,12 +10,8 @@
 use super::drawn::{built, read};
 use crate::play::{apart, mat, within};
 use ca_compile::Options;
-use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use ca_core::law::{Bound, Phi};
-use ca_core::numeric::{Real, Table};
-use ca_core::op::Law;
-use ca_core::phi::{ALONG, BETWEEN, PAIRS};
-use ca_core::tick;
+use ca_core::internal::phi::{ALONG, PAIRS};
+use ca_core::{ANY, BETWEEN, Bound, Kind, Law, Need, POSITIVE, Param, Phi, Real, Role, Table, Type, Unit, tick};
 use ca_model::Model;
 
 pub static KIND: Kind = Kind {

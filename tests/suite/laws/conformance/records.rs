@@ -2,10 +2,7 @@
 
 use super::drawn::{built, catalog, read as model, texts};
 use ca_compile::Options;
-use ca_core::SOURCES;
-use ca_core::kind::{Need, Type};
-use ca_core::scene::Location;
-use ca_core::tick;
+use ca_core::{Location, Need, SOURCES, Type, tick};
 use ca_model::{read, render};
 use ca_tests::gesture;
 
@@ -27,7 +24,7 @@ fn every_record_is_complete() {
                 (Type::Number { unit, min, max } | Type::Numbers { unit, min, max }, need) => {
                     assert!(min < max, "{what}");
                     let plain = unit.symbol.is_empty();
-                    assert_eq!(plain, unit.dim == ca_core::kind::Dim::NONE, "{what}: `{}`", unit.symbol);
+                    assert_eq!(plain, unit.dim == ca_core::Unit::NONE.dim, "{what}: `{}`", unit.symbol);
                     if let Need::Default(v) = need {
                         assert!(min <= v && v <= max, "{what}: {v} is not in {min} … {max}");
                     }

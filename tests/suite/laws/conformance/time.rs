@@ -2,8 +2,7 @@
 
 use super::drawn::{built, catalog, read as model, texts};
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::kind::Type;
-use ca_core::{State, process, tick};
+use ca_core::{State, Type, process, tick};
 use ca_model::{Entry, Model, Value, quantity};
 use ca_tests::gesture;
 

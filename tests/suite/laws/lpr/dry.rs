@@ -3,8 +3,7 @@
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{apart, audited, mat, model, off, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 
 const DRY: &str = "curve = \"coulomb\", method = \"set-valued\"";

@@ -4,8 +4,7 @@ mod dry;
 mod plain;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, compute_forces, tick};
+use ca_core::{Level, Scene, State, compute_forces, tick};
 use std::fmt::Write as _;
 
 const FS: f64 = 48000.0;

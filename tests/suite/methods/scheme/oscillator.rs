@@ -2,9 +2,8 @@
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
-use ca_core::tuning::retune;
+use ca_core::internal::tuning::retune;
+use ca_core::{Level, tick};
 
 #[test]
 fn a01_the_oscillator_is_its_own_exact_solution() {

@@ -72,8 +72,8 @@ point = { from = "low@finger" }
                 tick(&scene, &mut s);
                 let all: [&[f64]; 5] = [&s.x, &s.d, &s.f, &s.output, &s.tap];
                 assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
-                let due =
-                    scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);
+                let due = scene.inputs[*port].device.is_none() && *port != inputs[1]
+                    || ca_core::internal::border::frame_due(&scene, n);
                 assert_eq!(s.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
                 if glitch && *port != inputs[2] {
                     assert_eq!(s.last_input[*port], kept, "the last good value is held");

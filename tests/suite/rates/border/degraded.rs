@@ -2,7 +2,7 @@
 
 use super::{INSTRUMENT, hand};
 use crate::play::{TURN, audited, scene, within};
-use ca_core::border::frame_due;
+use ca_core::internal::border::frame_due;
 use ca_core::{Scene, State, tick};
 
 /// What a run gave: outputs of each tick, force sent in each frame, the state at its end.

@@ -5,7 +5,7 @@
 //! is below 1.
 
 use crate::play::{PI, case, list, mat, num, off, rows, scene, within};
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
 use ca_core::{Scene, State, tick};
 
 /// A device: mass \[kg\], friction \[N s/m\], length of a frame \[s\].

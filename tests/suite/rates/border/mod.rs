@@ -6,7 +6,7 @@ mod looped;
 mod space;
 
 use crate::play::{Random, TURN, audited, case, mat, num, within};
-use ca_core::border::frame_due;
+use ca_core::internal::border::frame_due;
 use ca_core::{Scene, compute_forces, integrate};
 
 /// What the balance keeps to, far within the tolerance of its case.

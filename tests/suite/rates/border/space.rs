@@ -2,7 +2,7 @@
 
 use super::hand;
 use crate::play::{audited, case, num, within};
-use ca_core::border::{delays, frame_due};
+use ca_core::internal::border::{delays, frame_due};
 use ca_core::tick;
 
 /// A ball on a spring to the hand, in a bowl.

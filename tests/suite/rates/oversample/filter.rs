@@ -2,7 +2,7 @@
 
 use crate::play::{TURN, apart, off, scene, with, within};
 use ca_compile::Options;
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
 use ca_core::{Scene, tick};
 
 /// Gain of the filter of the outputs at `f` times the rate of the ticks.

@@ -6,10 +6,9 @@ mod limits;
 
 use crate::play::{TURN, apart, scene, with, within};
 use ca_compile::Options;
-use ca_core::border::frame_due;
-use ca_core::op::Op;
-use ca_core::scene::InputRole;
-use ca_core::{Scene, State, compute_forces, integrate, tick};
+use ca_core::internal::border::frame_due;
+use ca_core::internal::op::Op;
+use ca_core::{InputRole, Scene, State, compute_forces, integrate, tick};
 use ca_io::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.

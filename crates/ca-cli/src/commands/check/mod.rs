@@ -16,8 +16,7 @@ use crate::term;
 use crate::term::short;
 use crate::watch::{LOOK, Watch};
 use ca_compile::Options;
-use ca_core::Scene;
-use ca_core::scene::certificate::Level;
+use ca_core::{Level, Scene};
 use ca_model::quantity::Plain;
 use ca_model::{quantity, render};
 use serde_json::{Value as Json, json};
@@ -116,7 +115,9 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     writeln!(out, "{title}")?;
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
     writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.lias(), by_code.join(", "))?;
-    for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
+    for (op, name) in
+        scene.forces.iter().enumerate().map(|(i, op)| (op, ca_core::internal::scene::lia_name(scene, i, 0)))
+    {
         if let Some(set) = op.ports.pair_set {
             writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[set].pairs())?;
         }

@@ -3,9 +3,8 @@
 use crate::commands::border::scale_of;
 use crate::load::Loaded;
 use crate::outcome::Failure;
-use ca_core::Scene;
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, Scale};
-use ca_core::kind::Unit;
+use ca_core::{Scene, Unit};
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;

@@ -1,7 +1,6 @@
 //! The page of one kind.
 
-use ca_core::SOURCES;
-use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_core::{Dim, Kind, Need, Param, SOURCES, Type, Unit};
 use ca_model::quantity::show;
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;

@@ -19,8 +19,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_compile::{KernelClass, Options};
-use ca_core::scene::Location;
-use ca_core::{Scene, State};
+use ca_core::{Location, Scene, State};
 use ca_io::atomic_file::is_stdout;
 use ca_io::ending::{Ending, RenderOut};
 use ca_io::files::Files;
@@ -59,7 +58,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
-        precision: ca_core::numeric::Precision::Double,
+        precision: ca_core::Precision::Double,
         arithmetic: None,
         couplings: Vec::new(),
     };

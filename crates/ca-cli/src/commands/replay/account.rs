@@ -5,8 +5,8 @@
 //! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
 
 use crate::term::short;
-use ca_core::state::Ledger;
-use ca_core::{Scene, equivalence::Gains};
+use ca_core::equivalence::Gains;
+use ca_core::{Ledger, Scene};
 use ca_haptic::engine::{Engine, Port};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -115,7 +115,7 @@ fn line(name: &str) -> String {
 /// Heat of links, by their name in the file, most first.
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
-    let mut links: Vec<_> = scene.audited_links().collect();
+    let mut links: Vec<_> = ca_core::internal::scene::audited_links(scene).collect();
     links.sort_by_key(|(i, _)| *i);
     for (i, name) in links {
         let name = format!("lost in `{}`", line(&name.to_string()));

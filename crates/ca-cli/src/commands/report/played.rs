@@ -5,8 +5,7 @@
 //! is of the size of what the model was given: what comes then measures the divergence.
 
 use crate::commands::render::{grows, joule, makers, relative};
-use ca_core::Scene;
-use ca_core::state::{Balance, Ledger};
+use ca_core::{Balance, Ledger, Scene};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
 /// Energy so many times what a model was given is that of its divergence.

@@ -1,7 +1,7 @@
 //! What is reported at the end of a performance.
 
 use crate::term::short;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_haptic::serve::Summary;
 use ca_haptic::stats::Percentiles;
 use ca_haptic::take;

@@ -3,9 +3,7 @@
 use crate::language::ModelLanguage;
 use crate::outcome::Failure;
 use crate::term;
-use ca_core::Scene;
-use ca_core::kind::Unit;
-use ca_core::scene::Input;
+use ca_core::{Input, Scene, Unit};
 use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::frame::About;

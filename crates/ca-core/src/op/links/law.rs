@@ -8,20 +8,6 @@ use crate::op::{Law, LawFns, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
 impl Law {
-    /// The coefficients of one link, from its parameters in SI and the tick, `tick_dt` \[s\].
-    pub fn loaded(&self, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
-        let mut c = alloc::vec![0.0; self.coefs];
-        (self.load)(p, tick_dt, &mut c);
-        c
-    }
-
-    /// Its memory at load, for elongation `e` of ends that stand still.
-    pub fn started(&self, c: &[f64], e: f64) -> Vec<f64> {
-        let mut mem = alloc::vec![0.0; self.mem];
-        (self.fns.start)(c, [e, 0.0], &mut mem);
-        mem
-    }
-
     /// The record of a law.
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>(code: &'static str) -> Law {
         Law {
@@ -43,11 +29,6 @@ impl Law {
         }
     }
 
-    /// True where the force depends on the motion that others would cause.
-    pub const fn is_staged(&self) -> bool {
-        !matches!(self.stage, SolveStage::Explicit)
-    }
-
     /// The same law with a rule that picks a cheaper one among `variants`.
     #[must_use]
     pub const fn or(
@@ -60,28 +41,42 @@ impl Law {
         self
     }
 
-    /// This law and all laws that may run in its place.
-    pub fn family(&'static self) -> Vec<&'static Law> {
-        let mut all = alloc::vec![self];
-        let mut next = 0;
-        while let Some(law) = all.get(next).copied() {
-            let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
-            for variant in law.variants.iter().copied().chain(other) {
-                if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
-                    all.push(variant);
-                }
-            }
-            next += 1;
-        }
-        all
-    }
-
     /// The same law with a table of its own.
     #[must_use]
     pub const fn with_table(mut self, table: fn() -> Table) -> Law {
         self.table = Some(table);
         self
     }
+}
+
+/// The coefficients of one link of a law, from its parameters in SI and the tick, `tick_dt` \[s\].
+pub fn loaded(law: &Law, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
+    let mut c = alloc::vec![0.0; law.coefs];
+    (law.load)(p, tick_dt, &mut c);
+    c
+}
+
+/// The memory of one link of a law at load, for elongation `e` of ends that stand still.
+pub fn started(law: &Law, c: &[f64], e: f64) -> Vec<f64> {
+    let mut mem = alloc::vec![0.0; law.mem];
+    (law.fns.start)(c, [e, 0.0], &mut mem);
+    mem
+}
+
+/// A law and all laws that may run in its place.
+pub fn family(law: &'static Law) -> Vec<&'static Law> {
+    let mut all = alloc::vec![law];
+    let mut next = 0;
+    while let Some(law) = all.get(next).copied() {
+        let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
+        for variant in law.variants.iter().copied().chain(other) {
+            if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
+                all.push(variant);
+            }
+        }
+        next += 1;
+    }
+    all
 }
 
 impl<R: Real> LawFns<R> {

@@ -13,9 +13,11 @@ use super::verify::{self, Wrong};
 use crate::kind::{Role, Unit};
 use crate::live::{DrivenParam, LiveItem, LiveModule, LiveParam, LivePlan, Loader, Source};
 use crate::numeric::VerletList;
+use crate::op::energy::empty_ledger;
 use crate::op::layout::{Account, HeardLink, Layout, LedgerPlan, SlowGroup, Substeps};
 use crate::op::{Form, Law, Op, Pass, Vectors};
 use crate::scene::bind::listed;
+use crate::scene::identify;
 use crate::scene::symbols::Run;
 use crate::scene::{Before, Scene, Symbols};
 use crate::state::{ActiveContacts, Identity, Ledger, Ramps, SlowState, State};
@@ -43,7 +45,7 @@ pub(super) fn scene(record: SceneRecord, known: &Known) -> Result<Scene, PlanErr
     let moves = laws.ops(record.moves, as_it_is)?;
     let mut initial = loaded(record.initial, &layout)?;
     let before = record.before.map(|b| before(b, &laws, &layout)).transpose()?;
-    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+    initial.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
     let mut live = live(record.live, known)?;
     live.scene = initial.scene;
     let scene = Scene {
@@ -178,7 +180,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
 /// A state at load without its group.
 fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     verify::state(&record, layout)?;
-    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..Ledger::new(layout) }));
+    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..empty_ledger(layout) }));
     let [x, d, f, coef, lengths, tap] =
         [&record.x, &record.d, &record.f, &record.coef, &record.lengths, &record.tap].map(|all| all[..].into());
     Ok(State {

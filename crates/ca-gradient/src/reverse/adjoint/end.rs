@@ -69,7 +69,7 @@ fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
         for i in 0..op.n {
             let [a, b] = scene.layout.ends[op.first + i].map(|m| m as usize);
             let [k, z, theta] = [0, 1, 2].map(|k| coef[op.coef + k * op.n + i]);
-            let force = ca_core::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
+            let force = ca_core::internal::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
             all[b] += force;
             all[a] -= force;
         }

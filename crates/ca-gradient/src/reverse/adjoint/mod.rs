@@ -20,10 +20,10 @@ use crate::reverse::heard::{HeardAdjoint, Outputs};
 use crate::reverse::single::{Adjoints, Pairs, Single};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
-use ca_core::numeric::{Aligned, Dual};
-use ca_core::op::Op;
-use ca_core::op::layout::Layout;
-use ca_core::{Scene, State};
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Layout;
+use ca_core::{Dual, Scene, State};
 
 /// A scene on its way back.
 pub struct Adjoint<'a> {
@@ -159,7 +159,7 @@ impl<'a> Adjoint<'a> {
     fn motions(&self) -> Vec<usize> {
         let l = &self.scene.layout;
         let heard = l.outputs.iter().filter_map(|o| match o.tap {
-            ca_core::op::layout::Tap::Position(m) => Some(m as usize),
+            ca_core::internal::op::layout::Tap::Position(m) => Some(m as usize),
             _ => None,
         });
         let links = self.links.iter().chain(&self.last).flat_map(|s| s.slots().iter().copied());

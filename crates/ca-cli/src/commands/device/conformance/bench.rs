@@ -3,8 +3,7 @@
 
 use crate::outcome::Failure;
 use ca_compile::Options as Compile;
-use ca_core::Scene;
-use ca_core::live::Controls;
+use ca_core::{Controls, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};

@@ -47,7 +47,7 @@ pub struct Performer {
     /// of each DOF of each device: where it is \[m\], as a function of time
     script: fn(usize, usize, f64) -> f64,
     seq: u64,
-    controls: ca_core::live::Controls,
+    controls: ca_core::Controls,
 }
 
 /// Slow and fast, within what a hand does.
