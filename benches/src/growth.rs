@@ -47,7 +47,7 @@ fn grows(stiffness: f64, drawn: &mut Drawn) -> bool {
         KernelClass::Fast,
         false,
     );
-    let ball = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "b").unwrap_or(0);
+    let ball = (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == "b").unwrap_or(0);
     let mut s = scene.state();
     let most = TIMES * (v / RATE) * (v / RATE);
     let free = |x: f64| (low..=high).contains(&x);

@@ -23,7 +23,7 @@ pub fn contact(a: f64, b: f64, method: &str) -> Scene {
 /// Energy after over energy before one bounce that starts at x₋₁ = φ + 1, x₀ = φ, until the ball has left or come
 /// to rest.
 pub fn ratio(scene: &Scene, start: &State, phase: f64) -> f64 {
-    let ball = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "ball").unwrap_or(0);
+    let ball = (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == "ball").unwrap_or(0);
     let mut s = start.clone();
     (s.x[ball], s.d[ball]) = (phase, -1.0);
     for _ in 0..20_000 {

@@ -39,7 +39,7 @@ pub const BOW: Map = Map {
     measured: |a, b| {
         let scene = scene(&model(&gripped(a, b)), KernelClass::Fast, false);
         let mut s = scene.state();
-        let bar = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the bar");
+        let bar = (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the bar");
         s.x[bar] = BEGIN;
         let step = || {
             tick(&scene, &mut s);

@@ -105,7 +105,7 @@ impl Case {
 }
 
 fn bob(scene: &Scene, name: &str) -> usize {
-    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or(0)
+    (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or(0)
 }
 
 /// Largest error of an oscillator in a second.

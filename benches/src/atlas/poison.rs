@@ -85,10 +85,10 @@ pub fn ports() -> Door {
                 for n in 0..200 {
                     s.input[port] = if n < 100 { bad } else { 1e-3 };
                     tick(&scene, &mut s);
-                    let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.tap, &s.mem];
+                    let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.links.tap, &s.links.mem];
                     finite &= all.iter().all(|v| v.iter().all(|v| v.is_finite()));
                 }
-                door.tries(finite && s.refused > 0, || format!("{bad} at {} of {code}", input.name));
+                door.tries(finite && s.ports.refused > 0, || format!("{bad} at {} of {code}", input.name));
             }
         }
     }
@@ -104,7 +104,7 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
 pub fn changes() -> Door {
     let mut door = Door::default();
     let scene = crate::scene(&crate::model(LIVE), ca_compile::KernelClass::Fast, false);
-    let mut controls = Controls::new(&scene.live, scene.sample_dt);
+    let mut controls = Controls::new(&scene.live, scene.rates.sample_dt);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {
         door.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));

@@ -213,7 +213,7 @@ impl Case {
             Case::Flight => {
                 let (scene, mut s) = ready(text, false);
                 (0..ticks).for_each(|_| tick(&scene, &mut s));
-                let way = ticks as f64 * scene.sample_dt;
+                let way = ticks as f64 * scene.rates.sample_dt;
                 Outcome::Astray((s.x[0] / way - 1.0).abs())
             }
         }
@@ -242,7 +242,7 @@ const FAR: f64 = 1e200;
 
 fn largest(text: &str, ticks: u64) -> Outcome {
     let (scene, mut s) = ready(text, false);
-    let bob = (0..scene.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the mass");
+    let bob = (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == "bob").expect("the mass");
     // as the cases of docs/numerics.md §3.6 begin: at 1, and there the tick before too
     s.d[bob] = 0.0;
     let mut most = [s.x[bob].abs(), 0.0];
@@ -266,7 +266,7 @@ const BLOWN: f64 = 1e7;
 /// more \[m/tick\].
 fn energy(text: &str, ticks: u64, masses: &[f64], kick: f64) -> Outcome {
     let (scene, mut s) = ready(text, true);
-    for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.n_mat..]) {
+    for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.counts.n_mat..]) {
         *d += if *c > 0.0 { kick } else { 0.0 };
     }
     let held = |s: &State| s.ledger.as_ref().map_or(f64::NAN, |l| l.h + l.balance().lost);

@@ -140,7 +140,7 @@ impl Plays {
         }
         let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), ..Options::default() };
         let scene = loaded.compile(&options).unwrap_or_else(|e| panic!("{name}: {e:?}")).scene;
-        let built = scene.gestures.iter().map(|(port, points)| {
+        let built = scene.about.gestures.iter().map(|(port, points)| {
             let begin = points.first().map_or(0.0, |p| p[1]);
             let at = |p: &[f64; 2]| (take.slower * p[0], begin + take.way * (p[1] - begin));
             Track::points(port.clone(), points.iter().map(at).collect())
@@ -156,7 +156,7 @@ impl Plays {
         let mut p = Performance::new(&scene, gesture.as_ref()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let seconds = perform::seconds(&p, (take.seconds > 0.0).then_some(take.seconds));
         let frames = perform::frames(&scene, seconds) as usize;
-        let mut out = vec![Vec::with_capacity(frames); scene.n_out];
+        let mut out = vec![Vec::with_capacity(frames); scene.counts.n_out];
         let begin = Instant::now();
         for _ in 0..frames {
             p.tick();
@@ -164,8 +164,8 @@ impl Plays {
         }
         let wall = begin.elapsed().as_secs_f64();
         assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{name} diverges");
-        let probed = out.split_off(scene.channels);
-        let probe = scene.probe_names.iter().cloned().zip(probed).collect();
+        let probed = out.split_off(scene.counts.channels);
+        let probe = scene.names.probe_names.iter().cloned().zip(probed).collect();
         Render { rate: scene.rate, sound: out, probe, modules: [scene.mats(), scene.lias()], wall }
     }
 

@@ -351,7 +351,7 @@ impl Loader {
             }
             Loader::Lia(law) => {
                 out.resize(law.coefs, 0.0);
-                (law.load)(values, tick_dt, out);
+                (law.at_load.load)(values, tick_dt, out);
             }
             Loader::Times(by) => out.push(by * values.first().copied().flatten().unwrap_or(0.0)),
         }

@@ -53,13 +53,19 @@ impl Start {
         scene::numbers(scene, &mut |v| numbers.push(*v));
         // as `scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
         let l = &scene.layout;
-        let lengths = [4 * l.reach.len(), l.e0.len(), l.rest.len(), l.shares.len(), l.couplings.len()];
+        let lengths = [
+            4 * l.links.reach.len(),
+            l.links.e0.len(),
+            l.places.rest.len(),
+            l.places.shares.len(),
+            l.places.couplings.len(),
+        ];
         let mut first = 0;
         let alike = lengths.map(|n| {
             first += n;
             first - n..first
         });
-        let gestures = std::mem::take(&mut scene.gestures);
+        let gestures = std::mem::take(&mut scene.about.gestures);
         Start { alike: alike.to_vec(), structure: scene::structure(scene), numbers, gestures }
     }
 

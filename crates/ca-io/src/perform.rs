@@ -101,7 +101,7 @@ impl<'a> Performance<'a> {
     /// it. A hand that is under way then was so before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
         let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
-        let [now, next] = [0.0, self.scene.sample_dt].map(|t| d.track.at(t));
+        let [now, next] = [0.0, self.scene.rates.sample_dt].map(|t| d.track.at(t));
         Some([now, next - now])
     }
 
@@ -173,8 +173,8 @@ impl<'a> Performance<'a> {
 
     /// Time at which what is read at the start of a frame is meant \[s\]: its end.
     fn end_of_frame(&self, tick: u64) -> f64 {
-        let tick_dt = self.scene.sample_dt;
-        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.ratio - 1) * tick_dt }
+        let tick_dt = self.scene.rates.sample_dt;
+        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.rates.ratio - 1) * tick_dt }
     }
 
     /// Runs one tick; the outputs are in `state.output`.
@@ -186,7 +186,7 @@ impl<'a> Performance<'a> {
         let end = self.end_of_frame(self.state.tick);
         let (scene, s) = (self.scene, &mut self.state);
         let frame = frame_due(scene, s.tick);
-        let t = s.tick as f64 * scene.sample_dt;
+        let t = s.tick as f64 * scene.rates.sample_dt;
         for d in &mut self.drives {
             match &d.target {
                 Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),
@@ -201,7 +201,7 @@ impl<'a> Performance<'a> {
                         // out of range is clamped: a gesture is a signal, and a signal never stops a performance
                         let v = v.max(param.min).min(param.max);
                         if self.controls.turn(*p, v, &mut self.patch).is_ok() {
-                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.frame });
+                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.rates.frame });
                         }
                     }
                 }
@@ -216,7 +216,7 @@ impl<'a> Performance<'a> {
 
     /// Runs so many ticks, and appends the outputs of each to `rows`.
     pub fn ticks(&mut self, n: u64, rows: &mut Vec<f64>) {
-        let (n_out, mut left) = (self.scene.n_out, n);
+        let (n_out, mut left) = (self.scene.counts.n_out, n);
         while left > 0 {
             let run = left.min(LOOK - self.state.tick % LOOK);
             let first = rows.len();
@@ -273,7 +273,7 @@ fn furthest(state: &State) -> usize {
 /// until its gestures have died away.
 pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
     let midi = p.midi_ends.map(|end| end + RING);
-    asked.or(midi).or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+    asked.or(midi).or(p.scene.about.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
 }
 
 /// Samples in so many seconds; at least one.

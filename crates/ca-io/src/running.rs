@@ -41,9 +41,9 @@ impl Running {
     /// At the beginning.
     pub fn new(scene: &Scene) -> Running {
         let mut forces = vec![PortForce::None; scene.inputs.len()];
-        scene.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
-        scene.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
-        let level = Level::new(scene.channels);
+        scene.ports.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
+        scene.ports.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
+        let level = Level::new(scene.counts.channels);
         Running { state: scene.state(), controls: scene.controls(), level, diverged: false, forces }
     }
 
@@ -74,7 +74,7 @@ impl Running {
     pub fn force(&self, input: usize) -> f64 {
         let force = match self.forces.get(input) {
             Some(PortForce::Mat(m)) => self.state.f[*m],
-            Some(PortForce::Border(k)) => self.state.border[*k].force,
+            Some(PortForce::Border(k)) => self.state.ports.border[*k].force,
             _ => 0.0,
         };
         if self.diverged || !force.is_finite() { 0.0 } else { force }

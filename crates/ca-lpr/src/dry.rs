@@ -39,21 +39,21 @@ fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut 
     let Some((_, onto, far)) = op.ports.onto else { return };
     for i in 0..op.n {
         let [most, sliding]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let (first, second) = (layout.ends[op.first + i], layout.onto[onto + i]);
+        let (first, second) = (layout.links.ends[op.first + i], layout.links.onto[onto + i]);
         let (first, second) = (first.map(|m| m as usize), second.map(|m| m as usize));
         let a = Port::of::<A>(layout, s, first, op.ports.reach + i);
         let b = Port::of::<B>(layout, s, second, far + i);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != R::of(0.0);
+        let stuck = s.links.mem[mem] != R::of(0.0);
         let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
         // what stuck has no motion but that of rounding, and of a port that turned
         let (force, sticks) = hold([most, sliding], [if stuck { R::ZERO } else { w }, r], c, stuck);
         A::pull(&mut s.f, first, &a.measured, force);
         B::pull(&mut s.f, second, &b.measured, force);
-        s.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
-        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
+        s.links.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
+        s.links.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
@@ -71,7 +71,7 @@ struct Port<R: Real> {
 
 impl<R: Real> Port<R> {
     fn of<G: Measure>(layout: &Layout<R>, s: &State<R>, ends: [usize; 2], reach: usize) -> Port<R> {
-        let reach = if G::SPACE { &layout.reach[reach] } else { &[R::ZERO; 4] };
+        let reach = if G::SPACE { &layout.links.reach[reach] } else { &[R::ZERO; 4] };
         let measured = G::measure(&s.x, &s.d, ends, reach);
         let gradient: [R; 3] = measured.gradient().into();
         let [mut moves, mut free, mut c] = [R::ZERO; 3];

@@ -12,7 +12,7 @@
 //! gradient of e spans both worlds, so what leaves one arrives in the other and nothing is created, whatever the law.
 //! Flying and turning do not change a distance and are not heard.
 //!
-//! What is not here: laws, which are in `ca-core`. To give a law its LPR, begin at [`KINDS`].
+//! The laws are in `ca-core`. To give a law its LPR, begin at [`KINDS`].
 //!
 //! Decides that an LPR is a form of a law and no law of its own ([`mod@op`]): every law of the core has one, with its
 //! parameters, its bounds and its energy. The kinds are `LPR` (spring and damper, as the REF) and `LPR_` with the code

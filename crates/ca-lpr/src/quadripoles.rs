@@ -86,14 +86,16 @@ macro_rules! quadripoles {
     ($($file:ident: $phi:ident;)*) => {
         $(
             mod $file {
-                use ca_core::{Kind, Param, Role, Law};
-                use ca_core::internal::op::LawFns;
+                use ca_core::internal::op::{Cheaper, LawFns};
                 use ca_core::internal::phi::$file as law;
+                use ca_core::{Kind, Law, Param, Role};
 
                 pub static LAW: Law = Law {
                     code: text!("LPR_", law::KIND.code),
-                    simpler: |p| $crate::laws::quadripole((law::LAW.simpler)(p)?),
-                    variants: &[],
+                    cheaper: Cheaper {
+                        simpler: |p| $crate::laws::quadripole((law::LAW.cheaper.simpler)(p)?),
+                        variants: &[],
+                    },
                     fns: LawFns { kernel: $crate::op::kernel::<f64, law::$phi, _, _>, ..law::LAW.fns },
                     ..law::LAW
                 };

@@ -46,19 +46,19 @@ impl Scene {
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let s = &self.compiled;
         let d = PyDict::new(py);
-        d.set_item("title", &s.title)?;
+        d.set_item("title", &s.about.title)?;
         d.set_item("name", &self.loaded.name)?;
         d.set_item("rate", s.rate)?;
-        d.set_item("gesture_rate", s.rate / f64::from(s.ratio))?;
-        d.set_item("ratio", s.ratio)?;
+        d.set_item("gesture_rate", s.rate / f64::from(s.rates.ratio))?;
+        d.set_item("ratio", s.rates.ratio)?;
         d.set_item("oversample", s.oversample())?;
-        d.set_item("channels", s.channel_names.clone())?;
-        d.set_item("seconds", s.seconds)?;
+        d.set_item("channels", s.names.channel_names.clone())?;
+        d.set_item("seconds", s.about.seconds)?;
         d.set_item("n_mat", s.mats())?;
         d.set_item("n_lia", s.lias())?;
-        d.set_item("left_out", s.left_out.clone())?;
-        let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
-        d.set_item("passes", passes.map(|o| (o.name, modules(s, o))).collect::<Vec<_>>())?;
+        d.set_item("left_out", s.about.left_out.clone())?;
+        let passes = s.passes.reads.iter().chain(s.passes.summed()).chain(&s.passes.writes).chain(&s.passes.moves);
+        d.set_item("passes", passes.map(|o| (o.name(), modules(s, o))).collect::<Vec<_>>())?;
         Ok(d)
     }
 
@@ -83,7 +83,7 @@ impl Scene {
     /// Probes: their names, and for each the selector that asked for it.
     #[getter]
     fn probes(&self) -> (Vec<String>, Vec<u32>) {
-        (self.compiled.probe_names.clone(), self.compiled.probe_of.clone())
+        (self.compiled.names.probe_names.clone(), self.compiled.names.probe_of.clone())
     }
 
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
@@ -109,13 +109,13 @@ impl Scene {
         d.set_item("largest", c.largest)?;
         d.set_item("ripple", c.ripple)?;
         d.set_item("worst", &c.worst)?;
-        d.set_item("contact", c.contact)?;
-        d.set_item("stiffest", &c.stiffest)?;
-        d.set_item("depth", c.depth.clone())?;
-        d.set_item("friction", c.friction)?;
-        d.set_item("closed", c.closed)?;
-        d.set_item("decides", &c.decides)?;
-        d.set_item("open", &c.open)?;
+        d.set_item("contact", c.rules.contact)?;
+        d.set_item("stiffest", &c.rules.stiffest)?;
+        d.set_item("depth", c.rules.depth.clone())?;
+        d.set_item("friction", c.rules.friction)?;
+        d.set_item("closed", c.rules.closed)?;
+        d.set_item("decides", &c.rules.decides)?;
+        d.set_item("open", &c.rules.open)?;
         d.set_item("not_judged", c.not_judged.clone())?;
         Ok(d)
     }

@@ -25,7 +25,7 @@ impl KineticEnergy {
             let Location::Mat(at) = symbol.location else { continue };
             let places = at as usize..at as usize + if symbol.axes > 1 { 3 } else { 1 };
             // C = T²/m; 0 of what no force moves
-            let of = |p: usize| scene.initial.coef.get(2 * scene.n_mat + p).filter(|c| **c > 0.0);
+            let of = |p: usize| scene.initial.coef.get(2 * scene.counts.n_mat + p).filter(|c| **c > 0.0);
             let moves: Vec<(usize, f64)> = places.filter_map(|p| Some((p, 0.5 / *of(p)?))).collect();
             if moves.is_empty() {
                 continue;

@@ -124,7 +124,7 @@ impl Voice {
             }
             let Running { state, level, .. } = &mut self.running;
             for (k, channel) in out.iter_mut().enumerate() {
-                channel[i] = if k < self.scene.channels { level.keep(k, state.output[k]) as f32 } else { 0.0 };
+                channel[i] = if k < self.scene.counts.channels { level.keep(k, state.output[k]) as f32 } else { 0.0 };
             }
             self.running.advance(&self.scene);
         }

@@ -85,7 +85,7 @@ proptest! {
             let scene = audited(&text);
             prop_assert_eq!(scene.certificate.level, Level::Proven);
             let s = only_falls(&scene, 400, room, &text, |s| {
-                assert!(s.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
+                assert!(s.links.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
             });
             let b = s.ledger.as_ref().expect("a ledger").balance();
             prop_assert!(b.scheme_error <= room * b.peak, "{method}: made {:e}\n{text}", b.scheme_error / b.peak);
@@ -147,10 +147,10 @@ fn masses_that_share_a_blow_keep_their_energy() {
             for n in 0..48_000 {
                 tick(&scene, &mut s);
                 let ledger = s.ledger.as_ref().expect("a ledger");
-                struck += usize::from(s.tap.iter().filter(|f| **f < 0.0).count() > 1);
+                struck += usize::from(s.links.tap.iter().filter(|f| **f < 0.0).count() > 1);
                 if n > 0 {
                     worst = worst.max(off(ledger.h, ledger.h0));
-                    assert!(ledger.h <= last + 1e-11 * ledger.peak);
+                    assert!(ledger.h <= last + 1e-11 * ledger.extremes.peak);
                 }
                 last = ledger.h;
             }
@@ -159,7 +159,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
             within("made", made(&s), 1e-11);
             let ledger = s.ledger.as_ref().expect("a ledger").balance();
             within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
-            let at = |i: usize| s.x[mat(&scene, &format!("b{i}"))] + scene.rest[mat(&scene, &format!("b{i}"))];
+            let at = |i: usize| s.x[mat(&scene, &format!("b{i}"))] + scene.places.rest[mat(&scene, &format!("b{i}"))];
             assert!((0..6).all(|i| at(i + 1) > at(i)), "a ball has passed another");
         }
     }
@@ -180,10 +180,10 @@ fn a_ball_in_a_round_box() {
         for n in 0..24_000 {
             tick(&scene, &mut s);
             let ledger = s.ledger.as_ref().expect("a ledger");
-            (0..2).for_each(|i| touched[i] += u32::from(s.tap[i] != 0.0));
+            (0..2).for_each(|i| touched[i] += u32::from(s.links.tap[i] != 0.0));
             if n > 0 {
                 worst = worst.max(off(ledger.h, ledger.h0));
-                assert!(ledger.h <= last + 1e-11 * ledger.peak);
+                assert!(ledger.h <= last + 1e-11 * ledger.extremes.peak);
             }
             last = ledger.h;
         }

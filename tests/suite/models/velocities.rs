@@ -62,12 +62,12 @@ fn play(scene: &Scene, events: &[(f64, [u8; 3])], seconds: f64) -> Vec<Vec<f64>>
         scene.inputs.iter().filter_map(|i| Some(PortMap { port: i.name.clone(), map: i.midi? })).collect();
     let played = Gesture::read(GestureFormat::Midi, &midi(events), &ports, None).expect("it is MIDI");
     let mut p = Performance::new(scene, Some(&played)).unwrap();
-    let mut out = vec![Vec::new(); scene.channels];
+    let mut out = vec![Vec::new(); scene.counts.channels];
     for _ in 0..(seconds * scene.rate) as usize {
         p.tick();
         out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
     }
-    assert!(!p.diverged, "{}: diverged", scene.title);
+    assert!(!p.diverged, "{}: diverged", scene.about.title);
     out
 }
 

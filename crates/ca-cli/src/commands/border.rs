@@ -28,14 +28,14 @@ fn ms(seconds: f64) -> String {
 pub(crate) fn latency(scene: &Scene) -> Option<String> {
     let d = delays(scene);
     let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
-    if scene.tgr.is_empty() {
+    if scene.ports.tgr.is_empty() {
         return filter.is_some().then(|| format!("sound {} late by the filter of the outputs", ms(d.filter)));
     }
-    let force = if scene.crossing.feedback { ms(d.force) } else { "never".into() };
+    let force = if scene.ports.crossing.feedback { ms(d.force) } else { "never".into() };
     let mut notes: Vec<String> = Vec::new();
-    if scene.crossing.latency > 0 {
-        let s = if scene.crossing.latency == 1 { "" } else { "s" };
-        notes.push(format!("{} frame{s} of it `latency`", scene.crossing.latency));
+    if scene.ports.crossing.latency > 0 {
+        let s = if scene.ports.crossing.latency == 1 { "" } else { "s" };
+        notes.push(format!("{} frame{s} of it `latency`", scene.ports.crossing.latency));
     }
     notes.extend(filter);
     let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
@@ -53,7 +53,7 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
 /// The two rates of a scene, and how many ticks a sample has where it has several.
 pub(crate) fn rates(scene: &Scene) -> String {
     let hertz = |f: f64| show(six(f), Unit::HERTZ);
-    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.ratio)));
+    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.rates.ratio)));
     format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
 }
 
@@ -64,10 +64,10 @@ pub(crate) fn ticks(times: u32) -> String {
 
 /// How the border works, for a scene that has one.
 pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
-    if scene.tgr.is_empty() {
+    if scene.ports.tgr.is_empty() {
         return Ok(());
     }
-    let how = match (scene.frame, scene.crossing.shape) {
+    let how = match (scene.rates.frame, scene.ports.crossing.shape) {
         (1, _) => "one tick a frame, the force of the tick",
         (_, Shape::Linear) => "positions in a line through the frame, force its mean",
         (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
@@ -78,7 +78,8 @@ pub(crate) fn crossing(out: &mut impl Write, scene: &Scene) -> Result<(), Failur
 
 /// Keys whose force reaches the hand, stiffest first.
 fn rendered_keys(scene: &Scene) -> Vec<&Key> {
-    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|k| scene.crossing.feedback && k.k > 0.0).collect();
+    let mut keys: Vec<&Key> =
+        scene.certificate.keys.iter().filter(|k| scene.ports.crossing.feedback && k.k > 0.0).collect();
     keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
     keys
 }
@@ -124,7 +125,7 @@ pub(crate) fn scale_of(k: &Scale) -> String {
 
 /// What a spring of the model on this key is in the hand.
 fn felt_as(scene: &Scene, key: &Key) -> f64 {
-    key.k * scene.equivalence.of(&key.name).stiffness()
+    key.k * scene.hand.equivalence.of(&key.name).stiffness()
 }
 
 /// Three digits of a stiffness.
@@ -135,24 +136,24 @@ pub(crate) fn quantity(k: f64) -> String {
 /// All of it for programs.
 pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
-    let device = !scene.tgr.is_empty();
+    let device = !scene.ports.tgr.is_empty();
     let keys: Vec<Json> =
         asked(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
     let border = device.then(|| {
         json!({
-            "shape": if scene.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
-            "feedback": scene.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
+            "shape": if scene.rates.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.ports.crossing.latency,
+            "feedback": scene.ports.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
             "stiffest_per_friction": d.stiffest(1.0), "keys": keys,
         })
     });
     json!({
-        "gesture_to_force_ms": (device && scene.crossing.feedback).then_some(d.force * 1e3),
+        "gesture_to_force_ms": (device && scene.ports.crossing.feedback).then_some(d.force * 1e3),
         "gesture_to_sound_ms": device.then_some(d.sound * 1e3), "filter_ms": d.filter * 1e3, "border": border,
     })
 }
 
 fn shape(scene: &Scene) -> &'static str {
-    match scene.crossing.shape {
+    match scene.ports.crossing.shape {
         Shape::Linear => "linear",
         Shape::Hold => "hold",
     }
@@ -163,12 +164,12 @@ pub(crate) fn exchanged<'a>(scene: &'a Scene, ledger: &Ledger) -> Vec<(&'a str, 
     let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
     let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());
     let row = |p: &Enx, e: &Exchange| (name(p.input), e.received * joules(p.input), e.given * joules(p.input));
-    scene.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
+    scene.ports.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
 }
 
 /// Says so where something was asked of a border that is not there.
 pub(crate) fn idle(source: &Source, scene: &Scene) {
-    if scene.tgr.is_empty() && source.crossing().next().is_some() {
+    if scene.ports.tgr.is_empty() && source.crossing().next().is_some() {
         term::note("the model has no device key (TGR): `--border`, `--latency` and `--no-feedback` change nothing");
     }
 }

@@ -27,6 +27,7 @@ mod together;
 use crate::net::Pruned;
 use crate::options::Effort;
 use blame::overflow;
+use ca_core::internal::scene::certificate::Rules;
 use ca_core::{Certificate, Level};
 use ca_model::Model;
 use ca_model::diag::Diags;
@@ -51,13 +52,13 @@ pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certifi
         (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
         (a, b) => a.or(b),
     };
-    let depth = match (own.depth, slow.depth) {
+    let depth = match (own.rules.depth, slow.rules.depth) {
         (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
         (a, b) => a.or(b),
     };
-    let stiffest = if slow.contact > own.contact { slow.stiffest } else { own.stiffest };
-    let decides = if closer || own.decides.is_empty() { slow.decides } else { own.decides };
-    let open = own.open.into_iter().chain(slow.open).collect();
+    let stiffest = if slow.rules.contact > own.rules.contact { slow.rules.stiffest } else { own.rules.stiffest };
+    let decides = if closer || own.rules.decides.is_empty() { slow.rules.decides } else { own.rules.decides };
+    let open = own.rules.open.into_iter().chain(slow.rules.open).collect();
     Certificate {
         level: own.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
         bound: own.bound.max(slow.bound),
@@ -67,13 +68,15 @@ pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certifi
         // of a scene that is left alone
         ripple: None,
         worst: if nearer { slow.worst } else { own.worst },
-        contact: own.contact.max(slow.contact),
-        stiffest,
-        closed: own.closed.max(slow.closed),
-        decides,
-        open,
-        depth,
-        friction: own.friction.max(slow.friction),
+        rules: Rules {
+            contact: own.rules.contact.max(slow.rules.contact),
+            stiffest,
+            closed: own.rules.closed.max(slow.rules.closed),
+            decides,
+            open,
+            depth,
+            friction: own.rules.friction.max(slow.rules.friction),
+        },
         ..own
     }
 }

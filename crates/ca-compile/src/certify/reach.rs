@@ -66,7 +66,7 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
             (None, Some(s)) => ([start - s, start + s], Cause::Stroke),
             (None, None) => return None,
         };
-        let [k, z] = (l.law.steepest)(&law.coefs, &net.tables, between);
+        let [k, z] = (l.law.at_load.steepest)(&law.coefs, &net.tables, between);
         let far = if b.contact { law.depth(between) } else { between[1].max(-between[0]) };
         Some(Reached { k, z, far, cause }).filter(|r| r.k.is_finite() && r.z.is_finite())
     };

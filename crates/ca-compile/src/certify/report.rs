@@ -62,7 +62,7 @@ pub fn report(
     hardening(net, sums, held, (&mut cert, &mut decides));
     methods(model, net, sums, &mut decides, diags);
     if cert.level == Level::RuleOfThumb {
-        cert.decides = decides.name();
+        cert.rules.decides = decides.name();
     }
     devices(model, net, &sums.links, diags);
     cert.keys = keys::keys(net, &sums.links);

@@ -61,7 +61,7 @@ pub fn contacts(
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
         let (a, closed) = (k * c, (k + 2.0 * z) * c);
         decides.take(l, a.max(0.25 * closed));
-        cert.closed = cert.closed.max(closed);
+        cert.rules.closed = cert.rules.closed.max(closed);
         if closed >= 4.0 && reported.insert(l.item) {
             diags.push(
                 unstable_contact(net, l, [k, z, c], reached.as_ref()).at(span(model, net, l.item), "unstable contact"),
@@ -69,13 +69,13 @@ pub fn contacts(
         }
         if q * c > 0.0 {
             let depth = libm::pow(1.0 / (p * q * c), 1.0 / (p - 1.0));
-            if depth.is_finite() && cert.depth.as_ref().is_none_or(|d| depth < d.1) {
-                cert.depth = Some((l.name.to_string(), depth));
+            if depth.is_finite() && cert.rules.depth.as_ref().is_none_or(|d| depth < d.1) {
+                cert.rules.depth = Some((l.name.to_string(), depth));
             }
         }
-        if a > cert.contact {
-            cert.contact = a;
-            cert.stiffest = l.name.to_string();
+        if a > cert.rules.contact {
+            cert.rules.contact = a;
+            cert.rules.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
             let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
@@ -149,7 +149,7 @@ pub fn frictions(
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && l.law.stage.is_explicit()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
-        cert.friction = cert.friction.max(steep);
+        cert.rules.friction = cert.rules.friction.max(steep);
         decides.take(l, steep / 1.5);
         if steep > 1.5 && reported.insert(l.item) {
             let title = format!(
@@ -185,7 +185,7 @@ pub fn hardening(
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         decides.take(l, 0.25 * b.h() * c);
         if b.hardens && reached.is_none() && open.insert(l.item) {
-            cert.open.push(net.items[l.item as usize].name.to_string());
+            cert.rules.open.push(net.items[l.item as usize].name.to_string());
         }
     }
 }

@@ -54,7 +54,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         if at < 4.0 || contacts.len() < 2 || c * most.h >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
             continue;
         }
-        cert.closed = cert.closed.max(at);
+        cert.rules.closed = cert.rules.closed.max(at);
         let n = contacts.len();
         let title = format!(
             "`{}` is unstable while its {n} contacts on one side press at once: T²k/m + 2Tz/m is {:.3}, the limit is 4",

@@ -31,9 +31,9 @@ pub fn oversample(
     }
     // between samples nobody listens but the filter
     let unheard = |op: &Op| if op.pass == Pass::LowPass { Op::pass(Pass::Remember, op.n) } else { *op };
-    let heard = writes.iter().filter(|_| !layout.lowpass.is_empty()).map(unheard);
+    let heard = writes.iter().filter(|_| !layout.out.lowpass.is_empty()).map(unheard);
     let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
-    layout.substeps = Some(Substeps { times: net.oversample, tick: ops.into(), inputs });
+    layout.rates.substeps = Some(Substeps { times: net.oversample, tick: ops.into(), inputs });
     reads.insert(0, Op::pass(Pass::Between, net.oversample as usize - 1));
     writes.push(Op::pass(Pass::ToSamples, 1));
     moves.insert(0, Op::pass(Pass::ToTicks, 1));

@@ -68,13 +68,13 @@ impl<'a> Slow<'a> {
             }
         }
         let (after, forces): (Vec<Op>, Vec<Op>) =
-            self.scene.forces.iter().partition(|op| op.name == "ledger of forces");
+            self.scene.passes.forces.iter().partition(|op| op.name() == "ledger of forces");
         SlowGroup {
             layout: self.scene.layout.clone(),
-            reads: self.scene.reads.clone(),
-            forces: forces.into_iter().filter(|op| op.name != "ENF").collect(),
+            reads: self.scene.passes.reads.clone(),
+            forces: forces.into_iter().filter(|op| op.name() != "ENF").collect(),
             after,
-            moves: self.scene.moves.clone(),
+            moves: self.scene.passes.moves.clone(),
             ports,
             coupled,
             compensated: self.part.compensated,
@@ -107,11 +107,11 @@ impl<'a> Slow<'a> {
 
 /// Passes of the border, put where they belong.
 pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
-    let ports = reads.iter().take_while(|op| matches!(op.name, "ENX" | "TGR in")).count();
+    let ports = reads.iter().take_while(|op| matches!(op.name(), "ENX" | "TGR in")).count();
     let compensated = group.compensated;
     reads.insert(ports, Op::pass(Pass::Group { compensated }, group.ports.len()));
     if group.coupled > 0 {
-        let kept = forces.iter().filter(|op| op.name == "ledger of forces").count();
+        let kept = forces.iter().filter(|op| op.name() == "ledger of forces").count();
         forces.insert(forces.len() - kept, Op::pass(Pass::GroupOut { compensated }, group.coupled));
     }
 }
@@ -139,7 +139,7 @@ impl Tick {
 pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, reach: &[(u32, bool)]) -> Response {
     let coupled = &group.ports[..group.coupled];
     let n = coupled.len();
-    let frame = layout.frame;
+    let frame = layout.rates.frame;
     // mean forces of one frame from `s` on, in which port `moving` goes a metre
     let frame_of = |mut s: State, moving: Option<usize>| -> Vec<f64> {
         let mut mean = alloc::vec![0.0; n];
@@ -197,7 +197,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
     }
     // T²/m
     let mobility =
-        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.n_mat + p.own as usize]);
+        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.counts.n_mat + p.own as usize]);
     let mobility: Vec<f64> = coupled.iter().map(mobility).collect();
     Response { places, known, answer: solved(&by_motion, &mobility, n) }
 }
@@ -232,7 +232,9 @@ fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
 
 /// A state in which nothing was put anywhere.
 pub fn blank(loaded: &State, slow: SlowState) -> State {
-    let mut s = State { ledger: None, slow: Some(alloc::boxed::Box::new(slow)), ..loaded.clone() };
+    let mut s = loaded.clone();
+    s.ledger = None;
+    s.slow = Some(alloc::boxed::Box::new(slow));
     s.x.fill(0.0);
     s.d.fill(0.0);
     s

@@ -68,5 +68,5 @@ fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
 
 /// The slopes of a link at load.
 pub fn slopes(net: &Resolved, l: &LiaNode) -> Bound {
-    (l.law.bound)(&loaded(l.law, &net.values(l.item, &l.values), net.tick_dt), &net.tables)
+    (l.law.at_load.bound)(&loaded(l.law, &net.values(l.item, &l.values), net.tick_dt), &net.tables)
 }

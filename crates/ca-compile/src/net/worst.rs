@@ -106,7 +106,7 @@ pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
         }
         let mut worst = Bound::default();
         for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
-            let b = (l.law.bound)(&loaded(l.law, &values, net.tick_dt), &net.tables);
+            let b = (l.law.at_load.bound)(&loaded(l.law, &values, net.tick_dt), &net.tables);
             // what counts is k − lift, whose worst is not that of k
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);

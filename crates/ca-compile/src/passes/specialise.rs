@@ -41,7 +41,7 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
                 (_, None) => ParamBinding::Absent,
             })
             .collect();
-        while let Some(simpler) = (l.law.simpler)(&fixed) {
+        while let Some(simpler) = (l.law.cheaper.simpler)(&fixed) {
             l.law = simpler;
         }
         let live = fixed.contains(&ParamBinding::Live);

@@ -27,9 +27,9 @@ use crate::state::{Between, SlowState, State, Unknown};
 /// Steps the group as a frame begins, and moves the copies of its places in every tick. Whether its border is
 /// compensated was chosen at load.
 pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some(group) = layout.slow.as_deref() else { return };
+    let Some(group) = layout.rates.slow.as_deref() else { return };
     let Some(mut slow) = s.slow.take() else { return };
-    let j = phase(layout.frame, s.tick);
+    let j = phase(layout.rates.frame, s.tick);
     if j == 0 {
         placed(group, &mut slow);
         // its ledger looks at what it holds
@@ -37,23 +37,24 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     } else if j == 1 {
         if COMPENSATED {
             let made = expect(layout, &mut slow);
-            s.ledger.iter_mut().for_each(|l| l.border += R::Outer::of(made));
+            s.ledger.iter_mut().for_each(|l| l.groups.border += R::Outer::of(made));
         }
         step::<R, COMPENSATED>(group, layout, s, &mut slow);
     }
     if j <= 1 {
         show(group, &slow, s);
         if let Some((l, own)) = s.ledger.as_mut().zip(slow.state.ledger.as_ref()) {
-            l.slow = own.balance();
+            l.groups.slow = own.balance();
         }
     }
-    let part = f64::from(j) / f64::from(layout.frame);
-    let whole = j == 0 || j == layout.frame;
+    let part = f64::from(j) / f64::from(layout.rates.frame);
+    let whole = j == 0 || j == layout.rates.frame;
     for (k, (p, b)) in group.ports.iter().zip(&slow.ports).enumerate() {
         let (m, at) = (p.at as usize, if whole { b.to } else { b.from + part * (b.to - b.from) });
         let x = R::of(at);
         // as far as anyone can tell, it came to where it is at load as it goes on
-        s.d[m] = if j == 0 { slow.state.d[p.own as usize] * R::of(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
+        s.d[m] =
+            if j == 0 { slow.state.d[p.own as usize] * R::of(1.0 / f64::from(layout.rates.frame)) } else { x - s.x[m] };
         s.x[m] = x;
         if k < group.coupled {
             s.f[m] = R::ZERO;
@@ -64,14 +65,14 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
 
 /// Keeps the forces on what links across hold, after the forces of a tick; of a compensated border, their sum over the frame too.
 pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
+    let (Some(group), Some(slow)) = (layout.rates.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
         b.force = s.f[p.at as usize].wide();
     }
     if COMPENSATED {
-        let weight = match phase(layout.frame, s.tick) {
+        let weight = match phase(layout.rates.frame, s.tick) {
             0 => 0.0,
-            j if j == layout.frame => 0.5,
+            j if j == layout.rates.frame => 0.5,
             _ => 1.0,
         };
         slow.unknown.iter_mut().zip(&slow.ports).for_each(|(u, b)| u.sum += weight * b.force);
@@ -83,7 +84,7 @@ pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
 fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
     let mut made = 0.0;
     for (u, b) in slow.unknown.iter_mut().zip(&slow.ports) {
-        let missed = u.sum / f64::from(layout.frame) - u.given;
+        let missed = u.sum / f64::from(layout.rates.frame) - u.given;
         made -= missed * (b.to - b.from);
         let was = u.expected + missed;
         let [one, two] = u.last;
@@ -149,10 +150,10 @@ fn couple<R: Real, const COMPENSATED: bool>(
     s: &State<R>,
     slow: &mut SlowState<R>,
 ) {
-    let (response, n) = (&group.response, group.layout.n_mat);
+    let (response, n) = (&group.response, group.layout.counts.n_mat);
     let width = 1 + 2 * response.places.len();
     let SlowState { state, ports, unknown, free } = slow;
-    let half = 0.5 / f64::from(layout.frame);
+    let half = 0.5 / f64::from(layout.rates.frame);
     for (i, p) in group.ports.iter().enumerate().take(group.coupled) {
         let row = &response.known[i * width..][..width];
         let mut force = row[0] + half * ports[i].force;

@@ -12,6 +12,7 @@ use super::{free_motion, mobility};
 use crate::law::Bound;
 use crate::numeric::Real;
 use crate::op::layout::Layout;
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 
@@ -23,10 +24,9 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     Law {
         code,
         mem: MEM,
-        bound: |_, _| Bound { curve: true, ..Bound::default() },
+        at_load: LoadFns { bound: |_, _| Bound { curve: true, ..Bound::default() }, ..curve.at_load },
         stage: SolveStage::Single(together),
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: fns(curve.fns),
         ..curve
     }
@@ -50,9 +50,9 @@ pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
 fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let [f, fd]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != R::ZERO;
+        let stuck = s.links.mem[mem] != R::ZERO;
         // what stuck has no motion but that of rounding
         let w = if stuck { R::ZERO } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
@@ -60,10 +60,10 @@ fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (force, sticks) = hold([f, fd], [w, r], c, stuck);
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
-        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
+        s.links.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
+        s.links.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }

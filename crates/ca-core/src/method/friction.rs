@@ -22,6 +22,7 @@ use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
@@ -51,10 +52,9 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     Law {
         code,
         mem: 1,
-        bound: bound::<P, C>,
+        at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
         stage: SolveStage::Single(together),
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: alone_fns::<f64, P, C, NEWTON>(curve.fns),
         ..curve
     }
@@ -77,10 +77,9 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     Law {
         code,
         mem: 2,
-        bound: bound::<P, C>,
+        at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
         stage: SolveStage::Coupled,
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: together_fns::<f64, P, C>(curve.fns),
         ..curve
     }
@@ -114,7 +113,7 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
     let tables = &layout.tables;
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
         let w = s.d[q] - s.d[p];
         let r = R::of(0.5) * (w + (free_motion(layout, s, q) - free_motion(layout, s, p)));
         let c = R::of(0.5) * (mobility(layout, s, p) + mobility(layout, s, q));
@@ -130,9 +129,9 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
         let force = steep * moved;
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[op.mem + i] = force * moved;
+        s.links.mem[op.mem + i] = force * moved;
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
@@ -141,8 +140,8 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
 fn gather<R: Real, P: Curve<C>, G: Measure, const C: usize>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
+        let ends = layout.links.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, measured.w).max(R::ZERO);
         let link = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());

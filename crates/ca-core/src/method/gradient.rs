@@ -57,8 +57,8 @@ fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
 fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
-        let e = s.x[q] - s.x[p] + layout.e0[op.first + i];
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
+        let e = s.x[q] - s.x[p] + layout.links.e0[op.first + i];
         let now = contact.penetration(e);
         let a = now + contact.side * (s.d[q] - s.d[p]);
         let free = contact.penetration(e + (free_motion(layout, s, q) - free_motion(layout, s, p)));
@@ -80,9 +80,9 @@ fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>)
         let tension = -contact.side * force;
         s.f[p] += tension;
         s.f[q] -= tension;
-        s.mem[op.mem + i] = heat;
+        s.links.mem[op.mem + i] = heat;
         if op.form.tap {
-            s.tap[op.tap + i] = tension;
+            s.links.tap[op.tap + i] = tension;
         }
     }
 }

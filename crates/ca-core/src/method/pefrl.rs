@@ -67,12 +67,12 @@ impl<R: Real, const OWN: bool> Body<R> for Kick<OWN> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, share) = (op.n, R::of(KICKS[op.first]));
-        let c = &s.coef[2 * layout.n_mat..][..n];
+        let c = &s.coef[2 * layout.counts.n_mat..][..n];
         for ((d, f), c) in s.d[..n].iter_mut().zip(&s.f[..n]).zip(c) {
             *d += share * (*c * *f);
         }
         if OWN {
-            let q = &s.coef[layout.n_mat..][..n];
+            let q = &s.coef[layout.counts.n_mat..][..n];
             for ((d, x), q) in s.d[..n].iter_mut().zip(&s.x[..n]).zip(q) {
                 *d += share * (*q * *x);
             }

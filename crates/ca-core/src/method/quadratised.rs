@@ -81,13 +81,13 @@ fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
 fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
-        let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
+        let ends = layout.links.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
         let mem = op.mem + 2 * i;
-        let psi = s.mem[mem];
-        s.mem[mem + 1] = R::ZERO;
+        let psi = s.links.mem[mem];
+        s.links.mem[mem + 1] = R::ZERO;
         if op.form.tap {
-            s.tap[op.tap + i] = R::ZERO;
+            s.links.tap[op.tap + i] = R::ZERO;
         }
         if psi == R::ZERO {
             // idle, without the square root
@@ -97,9 +97,9 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             }
         }
         let measured = G::measure(&s.x, &s.d, ends, &at);
-        let eta = contact.penetration(measured.e + layout.e0[op.first + i]);
+        let eta = contact.penetration(measured.e + layout.links.e0[op.first + i]);
         if eta < R::ZERO && psi * psi <= nothing() {
-            s.mem[mem] = R::ZERO;
+            s.links.mem[mem] = R::ZERO;
             continue;
         }
         let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
@@ -127,7 +127,7 @@ pub(super) fn reach<R: Real, G: Measure>(
     u: Vector3<R>,
 ) -> ActiveContact<R> {
     let g: [R; 3] = (u * -side).into();
-    let (ends, axes) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
+    let (ends, axes) = (layout.links.ends[op.first + i], if G::SPACE { 3 } else { 1 });
     let (mut free, mut w) = (R::ZERO, R::ZERO);
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
@@ -141,7 +141,7 @@ pub(super) fn reach<R: Real, G: Measure>(
 /// Adds a link to those of this tick, if it does anything.
 pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
-    let touches = &mut s.touches;
+    let touches = &mut s.links.touches;
     let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
     *t = ActiveContact { stiff, diag: link.diag + R::of(1.0) / stiff, ..link };
     touches.n += 1;
@@ -234,8 +234,9 @@ pub fn solve_modes<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 #[inline(always)]
 fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ActiveContacts { n, list, push } = &mut s.touches;
-    let mut to = Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap };
+    let ActiveContacts { n, list, push } = &mut s.links.touches;
+    let mut to =
+        Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.counts.n_mat..], push, tap: &mut s.links.tap };
     let all = &mut list[..core::mem::take(n)];
     let mut acting = all.len();
     loop {
@@ -259,15 +260,15 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
         t.p = t.gamma * t.psi + t.y;
         let left = (t.psi + R::of(0.5) * t.gamma * moved).abs();
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
-        s.mem[t.mem] = if nothing { R::ZERO } else { left };
-        s.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
+        s.links.mem[t.mem] = if nothing { R::ZERO } else { left };
+        s.links.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
         for k in 0..t.axes {
             let [a, b] = t.ends.map(|m| m as usize + k);
             s.f[a] += t.g[k] * t.p;
             s.f[b] -= t.g[k] * t.p;
         }
         if let Some(tap) = t.tap {
-            s.tap[tap] = -t.side * t.p;
+            s.links.tap[tap] = -t.side * t.p;
         }
     }
     if acting < all.len() {
@@ -276,13 +277,18 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
         }
         respond(
             all,
-            &mut Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap },
+            &mut Response::<R, MODES> {
+                layout,
+                mobility: &s.coef[2 * layout.counts.n_mat..],
+                push,
+                tap: &mut s.links.tap,
+            },
         );
         for t in &all[acting..] {
             let follows = t.psi + R::of(0.5) * t.gamma * (t.free - t.q);
             let left = follows.abs().min(t.psi);
-            s.mem[t.mem] = left;
-            s.mem[t.mem + 1] = R::of(0.5) * (t.psi - left) * (t.psi + left);
+            s.links.mem[t.mem] = left;
+            s.links.mem[t.mem + 1] = R::of(0.5) * (t.psi - left) * (t.psi + left);
         }
     }
 }

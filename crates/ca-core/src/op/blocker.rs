@@ -12,20 +12,20 @@ use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
 pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
+    for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
-        let y = step(*c, &mut s.blocked[k], s.tick, v);
+        let y = step(*c, &mut s.ports.blocked[k], s.tick, v);
         s.output[o.channel as usize] += y.outer();
     }
 }
 
 /// The last outputs, from `op.first` on: they hear motion.
 pub fn of_motion<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let before = layout.blockers.len() - op.n;
-    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[before..]).enumerate() {
+    let before = layout.out.blockers.len() - op.n;
+    for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[before..]).enumerate() {
         let Tap::Position(m) = o.tap else { continue };
         let v = s.coef[op.coef + k] * s.d[m as usize];
-        let y = step(*c, &mut s.blocked[before + k], s.tick, v);
+        let y = step(*c, &mut s.ports.blocked[before + k], s.tick, v);
         s.output[o.channel as usize] += y.outer();
     }
 }

@@ -14,12 +14,12 @@ pub use crate::op::layout::Driven;
 
 /// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
 pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    if phase(layout.frame, s.tick) > 1 {
+    if phase(layout.rates.frame, s.tick) > 1 {
         return;
     }
     // at once where nothing has sounded yet
-    let ticks = if s.tick == 0 { 1 } else { layout.frame };
-    for d in &layout.driven {
+    let ticks = if s.tick == 0 { 1 } else { layout.rates.frame };
+    for d in &layout.ports.driven {
         let [from, to] = d.span;
         let at = (s.input[d.input as usize] - from) / (to - from);
         if !at.is_finite() {

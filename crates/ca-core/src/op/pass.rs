@@ -5,12 +5,13 @@ use super::Op;
 use super::wide::{self, Body, Simd};
 use crate::numeric::{Precision, Real};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
+use crate::state::LinkState;
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for
 /// those whose motion is part of the start.
 pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.enx[..op.n] {
+    for p in &layout.ports.enx[..op.n] {
         let x = R::inner(R::Outer::of(s.valid_input(p.input)) - p.rest);
         let m = p.mat as usize;
         if s.tick > 0 {
@@ -26,10 +27,10 @@ pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
 pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let mut last = u32::MAX;
-    for p in &layout.enf[op.first..][..op.n] {
+    for p in &layout.ports.enf[op.first..][..op.n] {
         let v = s.input[p.input as usize];
         let force = if v.is_finite() { v } else { 0.0 };
-        s.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);
+        s.ports.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);
         last = p.input;
         s.f[p.mat as usize] += R::of(force);
     }
@@ -44,15 +45,15 @@ pub fn weight<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Finds the cell under each moving point.
 pub fn aim<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        s.cells[k] = cell(layout, s, p);
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        s.links.cells[k] = cell(layout, s, p);
     }
 }
 
 fn coordinate<R: Real>(layout: &Layout<R>, s: &State<R>, place: CoordinateSource) -> R::Outer {
     let v = match place {
         CoordinateSource::Coef(c) => s.coef[c as usize].outer(),
-        CoordinateSource::Mat(m) => s.x[m as usize].outer() + layout.rest[m as usize].outer(),
+        CoordinateSource::Mat(m) => s.x[m as usize].outer() + layout.places.rest[m as usize].outer(),
     };
     // a coordinate that is not a number stays where nothing is hurt
     if v.wide() >= 0.0 { v.min(R::Outer::of(1.0)) } else { R::Outer::ZERO }
@@ -69,7 +70,7 @@ pub fn step<O: Real>(u: O, n: u32) -> (u32, O) {
 pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<R> {
     let one = R::Outer::of(1.0);
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
-    let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
+    let node = |i: u32, j: u32| layout.places.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
         return Cell {
             n: 2,
@@ -87,8 +88,8 @@ pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<
 
 /// Positions of moving points from their cells.
 pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        let c = s.cells[k];
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        let c = s.links.cells[k];
         let (mut x, mut d) = (R::ZERO, R::ZERO);
         for q in 0..c.n {
             x += c.weight[q] * s.x[c.node[q] as usize];
@@ -103,8 +104,8 @@ pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Force on moving points back to their cells, with the weights of the position: no energy is made.
 pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        let c = s.cells[k];
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        let c = s.links.cells[k];
         let f = s.f[p.mat as usize];
         for q in 0..c.n {
             s.f[c.node[q] as usize] += c.weight[q] * f;
@@ -114,9 +115,9 @@ pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Positions of masses that go by their modes.
 pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.modal[..op.n] {
+    for p in &layout.places.modal[..op.n] {
         let n = p.n as usize;
-        let share = &layout.shares[p.share as usize..][..n];
+        let share = &layout.places.shares[p.share as usize..][..n];
         let dot = |q: &[R]| {
             // four sums side by side: one after the other they would wait for each other
             let mut part = [R::ZERO; 4];
@@ -137,9 +138,9 @@ pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Forces on masses that go by their modes back to these, with the shares of the position: no energy is made.
 pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.modal[..op.n] {
+    for p in &layout.places.modal[..op.n] {
         let (f, n) = (s.f[p.mat as usize], p.n as usize);
-        let share = &layout.shares[p.share as usize..][..n];
+        let share = &layout.places.shares[p.share as usize..][..n];
         for (q, w) in s.f[p.first as usize..][..n].iter_mut().zip(share) {
             *q += *w * f;
         }
@@ -149,9 +150,9 @@ pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
 /// memory for what was written there.
 pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let State { x, f, tap, coef, output, .. } = s;
+    let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
     let heard = Heard { x, f, tap };
-    let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
+    let (outputs, gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
     output.fill(R::Outer::ZERO);
     let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), R::Outer::ZERO);
     for (o, gain) in outputs.iter().zip(gains) {
@@ -168,7 +169,7 @@ pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Adds the outputs from `op.first` on that hear motion.
 pub fn motions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (o, gain) in layout.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
+    for (o, gain) in layout.out.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
         if let Tap::Position(m) = o.tap {
             s.output[o.channel as usize] += (*gain * s.d[m as usize]).outer();
         }
@@ -191,11 +192,11 @@ struct ManyOutputs;
 impl<R: Real> Body<R> for ManyOutputs {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-        let State { x, f, tap, coef, output, .. } = s;
+        let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
         let heard = Heard { x, f, tap };
-        let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
+        let (mut outputs, mut gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
         output.fill(R::Outer::ZERO);
-        for row in &layout.output_rows {
+        for row in &layout.out.output_rows {
             let (of_channel, other_outputs) = outputs.split_at(row.n as usize);
             let (own, other_gains) = gains.split_at(row.n as usize);
             (outputs, gains) = (other_outputs, other_gains);
@@ -241,7 +242,7 @@ fn in_pairs<O: Real>([a, b, c, d, e, f, g, h]: [O; LANES]) -> O {
 /// clear.
 pub fn positions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
-    for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {
+    for ((v, o), gain) in s.output.iter_mut().zip(&layout.out.outputs).zip(gains) {
         if let Tap::Position(m) = o.tap {
             // as a sum gives it, which is never -0
             *v = R::Outer::ZERO + (*gain * x[m as usize]).outer();
@@ -260,7 +261,7 @@ impl<'a, R: Real> Heard<'a, R> {
     /// Those of a state.
     #[inline(always)]
     pub(super) fn of(s: &'a State<R>) -> Heard<'a, R> {
-        Heard { x: &s.x, f: &s.f, tap: &s.tap }
+        Heard { x: &s.x, f: &s.f, tap: &s.links.tap }
     }
 
     /// What an output hears.
@@ -290,7 +291,7 @@ impl<R: Real> Body<R> for IntegrateFree {
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
         let (x, d, f) = (&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n]);
-        free(x, d, f, &s.coef[2 * layout.n_mat + at..][..n]);
+        free(x, d, f, &s.coef[2 * layout.counts.n_mat + at..][..n]);
     }
 }
 
@@ -324,7 +325,7 @@ impl<R: Real> Body<R> for IntegrateFull {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
-        let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + at..][..n]);
+        let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.counts.n_mat + at..][..n]);
         full(&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n], [p, q, c]);
     }
 }
@@ -361,7 +362,7 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
 pub fn flush<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if s.tick & 1023 == 1023 {
-        let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
+        let waves = &mut s.links.mem[layout.waves.first..][..layout.waves.len];
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {
             if v.abs() < R::TINY {
                 *v = R::ZERO;

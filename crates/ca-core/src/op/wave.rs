@@ -31,24 +31,24 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let w = &layout.waves;
     for d in &w.delays {
         let wave = match d.end {
-            Termination::Open => s.mem[d.at(s.tick, d.len)],
-            Termination::Rigid => -s.mem[d.at(s.tick, d.len)],
+            Termination::Open => s.links.mem[d.at(s.tick, d.len)],
+            Termination::Rigid => -s.links.mem[d.at(s.tick, d.len)],
             Termination::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
-                let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
+                let [u0, u1, u2] = [3, 2, 1].map(|less| s.links.mem[d.at(s.tick, d.len - less)]);
                 let [a, b, c] = [loss.a, loss.b, loss.c].map(R::inner);
                 let u = a * u1 + b * (u0 + u2);
-                let y = c * u + s.mem[memory];
-                s.mem[memory] = u - c * y;
+                let y = c * u + s.links.mem[memory];
+                s.links.mem[memory] = u - c * y;
                 -y
             }
         };
-        s.mem[d.to] = wave;
+        s.links.mem[d.to] = wave;
     }
     for j in &w.junctions {
         let m = j.mat as usize;
-        s.f[m] += R::of(2.0) * R::inner(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
-        s.mem[j.memory + 2] = s.d[m];
+        s.f[m] += R::of(2.0) * R::inner(j.z) * (s.links.mem[j.memory] + s.links.mem[j.memory + 1]);
+        s.links.mem[j.memory + 2] = s.d[m];
     }
 }
 
@@ -56,8 +56,8 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 pub fn depart<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for d in &layout.waves.delays {
         let j = &layout.waves.junctions[d.junction];
-        let v = R::of(0.5) * (s.d[j.mat as usize] + s.mem[j.memory + 2]);
-        s.mem[d.at(s.tick, 0)] = v - s.mem[d.from];
+        let v = R::of(0.5) * (s.d[j.mat as usize] + s.links.mem[j.memory + 2]);
+        s.links.mem[d.at(s.tick, 0)] = v - s.links.mem[d.from];
     }
 }
 
@@ -82,7 +82,7 @@ pub fn energy<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R]) -> (R::Outer,
     let w = &layout.waves;
     let (mut stored, mut heat) = (R::Outer::ZERO, R::Outer::ZERO);
     for d in &w.delays {
-        let wave = |back: usize| s.mem[d.at(s.tick, back)].outer();
+        let wave = |back: usize| s.links.mem[d.at(s.tick, back)].outer();
         let energy = |v: R::Outer| v * v;
         let mut sum = R::Outer::ZERO;
         let way = if let Termination::Lossy { loss, memory } = d.end {
@@ -92,14 +92,14 @@ pub fn energy<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R]) -> (R::Outer,
             let gain = a + R::Outer::of(2.0) * b;
             let (newer, older) = (gain * (a + b), gain * b);
             let taps = |u: R::Outer, v: R::Outer| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(s.mem[memory].outer()) / (R::Outer::of(1.0) - c * c);
+            sum += taps(u0, u1) + energy(s.links.mem[memory].outer()) / (R::Outer::of(1.0) - c * c);
             let out = energy(a * u1 + b * (u0 + u2));
             heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
         } else {
             d.len
         };
-        let [older, newer] = d.under_way(&s.mem, s.tick, way);
+        let [older, newer] = d.under_way(&s.links.mem, s.tick, way);
         sum += squares(older) + squares(newer);
         stored += w.junctions[d.junction].z * sum;
     }

@@ -107,10 +107,8 @@ pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
 /// With `curve = "coulomb"`.
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
 /// With `curve = "table"`.
-pub static TABLE: Law = Law {
-    load: |p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]),
-    ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
-};
+pub static TABLE: Law = Law::of::<lnl::TableFriction, 2, 0>("BOW table")
+    .loaded_by(|p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]));
 
 /// All laws of [`LAWS`] but the first.
 static OTHERS: &[&Law] = &[

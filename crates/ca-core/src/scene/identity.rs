@@ -8,6 +8,7 @@
 
 use crate::numeric::Real;
 use crate::numeric::words::word;
+use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::{Op, SolveStage};
 use crate::scene::Scene;
@@ -29,16 +30,16 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
         let second = op.ports.onto.map(|onto| onto.0);
         op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
     };
-    if scene.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
+    if scene.passes.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
         return 4;
     }
-    if scene.sorted {
+    if scene.passes.sorted {
         return 3;
     }
-    if !scene.layout.enf.is_empty() {
+    if !scene.layout.ports.enf.is_empty() {
         return 2;
     }
-    u32::from(scene.forces.iter().any(measures) || !scene.layout.output_rows.is_empty())
+    u32::from(scene.passes.forces.iter().any(measures) || !scene.layout.out.output_rows.is_empty())
 }
 
 /// The identity of the scene with these arrays, passes and state at load.
@@ -48,7 +49,7 @@ pub fn identify<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &St
     for list in passes {
         h.all(
             list.iter()
-                .map(|o| (o.name, o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)),
+                .map(|o| (o.name(), o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)),
         );
     }
     h.word(initial.bits());
@@ -98,51 +99,19 @@ impl Words {
     /// All of a layout: who adds an array to it is asked here what to do with it.
     fn layout<R: Real>(&mut self, layout: &Layout<R>) {
         let Layout {
-            sample_dt,
-            ratio,
-            frame,
-            n_mat,
-            n_lia,
-            n_coef,
-            n_mem,
-            n_touch,
-            n_tap,
-            channels,
-            n_out,
-            ends,
-            onto,
-            reach,
-            pair_sets,
-            e0,
-            rest,
-            nodes,
-            moving_points,
-            modal,
-            shares,
-            solved_modal,
-            modal_couplings,
-            couplings,
+            rates: Rates { sample_dt, ratio, frame, slow, substeps },
+            counts: Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out },
+            // rows follow from ends, reach and rest
+            links: LinkArrays { ends, onto, reach, pair_sets, e0, rows: _ },
+            places: Places { rest, nodes, moving_points, modal, shares, solved_modal, modal_couplings, couplings },
             tables,
-            enx,
-            enf,
-            tgr,
-            driven,
-            crossing,
+            ports: PortArrays { enx, enf, tgr, driven, crossing },
             waves,
             weighed,
-            heard,
-            outputs,
-            of_motion,
-            blockers,
-            lowpass,
+            // output_rows follow from outputs
+            out: OutputArrays { heard, outputs, of_motion, blockers, lowpass, output_rows: _ },
             implicit,
             ledger,
-            slow,
-            substeps,
-            // follows from ends, reach and rest
-            rows: _,
-            // follows from outputs
-            output_rows: _,
             vectors: _,
         } = layout;
         self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));

@@ -27,7 +27,7 @@ pub struct Symbol {
 pub enum Location {
     /// a MAT: index into [`State::x`](crate::State::x), the first of three where it has more than one axis
     Mat(u32),
-    /// a LIA: op number in [`Scene::forces`](super::Scene::forces) and position in it
+    /// a LIA: op number in [`Passes::forces`](super::Passes::forces) and position in it
     Lia(u32, u32),
 }
 
@@ -127,7 +127,7 @@ impl<'a> IntoIterator for &'a Symbols {
 pub struct SymbolsBuilder(Symbols);
 
 impl SymbolsBuilder {
-    /// Room for so many MATs and LIAs.
+    /// Room for this number of MATs and LIAs.
     pub fn with_capacity(mats: usize, lias: usize) -> SymbolsBuilder {
         SymbolsBuilder(Symbols { runs: Vec::new(), mats: Vec::with_capacity(mats), lias: Vec::with_capacity(lias) })
     }

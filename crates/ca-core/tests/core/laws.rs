@@ -118,7 +118,7 @@ fn a_contact_is_silent_where_it_says_so() {
 #[test]
 fn slopes_are_within_the_bound() {
     each(|kind, law, _, c, tables| {
-        let b = (law.bound)(c, tables);
+        let b = (law.at_load.bound)(c, tables);
         if b.hardens || law.mem > 0 {
             return;
         }
@@ -147,7 +147,7 @@ fn a_cheaper_law_is_the_same_law() {
             values[k] = Some(0.0);
             let fixed: Vec<ParamBinding> =
                 values.iter().map(|v| v.map_or(ParamBinding::Absent, ParamBinding::At)).collect();
-            let Some(simple) = (law.simpler)(&fixed) else { continue };
+            let Some(simple) = (law.cheaper.simpler)(&fixed) else { continue };
             let (c, s) = (loaded(law, &values, DT), loaded(simple, &values, DT));
             for i in -10..10 {
                 let (e, w) = (0.02 * f64::from(i) + 0.003, 1e-5 * f64::from(i % 3));
@@ -194,7 +194,7 @@ fn functions_of_every_law_are_found_by_its_code() {
             };
             let mut law = law;
             check(law);
-            while let Some(simpler) = (law.simpler)(&p) {
+            while let Some(simpler) = (law.cheaper.simpler)(&p) {
                 law = simpler;
                 check(law);
             }

@@ -79,7 +79,7 @@ pub fn played(loaded: &Loaded, links: &[String], ticks: usize) -> Played {
     let (mut output, mut acts) = (Vec::new(), Vec::new());
     for _ in 0..ticks {
         p.tick();
-        let (sound, forces) = p.state.output.split_at(scene.channels);
+        let (sound, forces) = p.state.output.split_at(scene.counts.channels);
         output.extend_from_slice(sound);
         acts.extend(forces.iter().map(|f| *f != 0.0));
     }

@@ -98,7 +98,7 @@ impl Header {
             ("cpus", cpus.to_string()),
         ];
         Header {
-            title: scene.title.clone(),
+            title: scene.about.title.clone(),
             file,
             text,
             changes,
@@ -108,8 +108,8 @@ impl Header {
             setups,
             engine,
             rate: scene.rate,
-            ratio: scene.ratio,
-            channels: scene.channel_names.clone(),
+            ratio: scene.rates.ratio,
+            channels: scene.names.channel_names.clone(),
             start: scene.state().bits(),
             arithmetic: ARITHMETIC,
             began_ns: since.as_nanos() as u64,
@@ -158,7 +158,7 @@ impl Header {
         })?;
         let scene = &compiled.scene;
         let others = self.is_exact(scene) && scene.state().bits() != self.start;
-        if (scene.rate, scene.ratio) != (self.rate, self.ratio) || others {
+        if (scene.rate, scene.rates.ratio) != (self.rate, self.ratio) || others {
             return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
         }
         Ok(compiled)

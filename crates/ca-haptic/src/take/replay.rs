@@ -72,7 +72,7 @@ impl Replay {
             loose,
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
-            channels: engine.scene.channels,
+            channels: engine.scene.counts.channels,
             verdict: ReplayVerdict { tolerance, versions: 1, ..ReplayVerdict::default() },
             made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
             sound: VecDeque::new(),

@@ -47,7 +47,7 @@ impl Picture {
             .collect();
         mats.sort_unstable();
         mats.dedup();
-        let mut of = vec![u32::MAX; layout.n_mat];
+        let mut of = vec![u32::MAX; layout.counts.n_mat];
         for (n, (at, space)) in mats.iter().enumerate() {
             for place in of.iter_mut().skip(*at).take(if *space { 3 } else { 1 }) {
                 *place = n as u32;
@@ -57,8 +57,8 @@ impl Picture {
             let [a, b] = e.map(|p| of.get(p as usize).copied().unwrap_or(u32::MAX));
             (a != u32::MAX && b != u32::MAX && a != b).then_some([a, b])
         };
-        let links = layout.ends.iter().filter_map(drawn).take(LINKS).collect();
-        Picture { links, rest: layout.rest.clone(), mats }
+        let links = layout.links.ends.iter().filter_map(drawn).take(LINKS).collect();
+        Picture { links, rest: layout.places.rest.clone(), mats }
     }
 
     /// Where each MAT is \[m\], given the displacements of the state.

@@ -15,14 +15,14 @@ pub const BLOCK: usize = 4096;
 /// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. What is out of range is NaN.
 pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
     let mut p = Performance::new(scene, None)?;
-    let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
+    let mut all = vec![Vec::with_capacity(frames); scene.counts.n_out - scene.counts.channels];
     let begin = Instant::now();
     for frame in 0..frames {
         if frame % BLOCK == BLOCK - 1 {
             steps.look()?;
         }
         p.tick();
-        for (column, v) in all.iter_mut().zip(&p.state.output[scene.channels..]) {
+        for (column, v) in all.iter_mut().zip(&p.state.output[scene.counts.channels..]) {
             column.push(if p.diverged { f64::NAN } else { *v });
         }
         for _ in 1..times {

@@ -36,7 +36,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String
         let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
         first.map(|d| d.title).unwrap_or_default()
     })?;
-    match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
+    match scene.about.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
         Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
         None => bound(&scene).map_err(|why| why.to_string()),
     }
@@ -60,7 +60,7 @@ pub fn columns(
         }
     }
     let mut s = scene.state();
-    let mut all = vec![Vec::with_capacity(frames); scene.n_out - scene.channels];
+    let mut all = vec![Vec::with_capacity(frames); scene.counts.n_out - scene.counts.channels];
     let mut diverged = false;
     let begin = Instant::now();
     for tick in 0..frames * times as usize {
@@ -73,7 +73,7 @@ pub fn columns(
             diverged = s.tick.is_multiple_of(64) && !s.is_bounded(DIVERGED);
         }
         if tick.is_multiple_of(times as usize) {
-            for (column, v) in all.iter_mut().zip(&s.output[scene.channels..]) {
+            for (column, v) in all.iter_mut().zip(&s.output[scene.counts.channels..]) {
                 column.push(if diverged { f64::NAN } else { *v });
             }
         }

@@ -102,16 +102,22 @@ mod tests {
         let loaded = Loaded::read(text, what);
         let options = Options { bounds_only: true, ..Options::default() };
         let alone = scene(&loaded, &options).expect("an example compiles").scene;
-        let Some(model) = models(&vec![loaded.model.clone(); 3], alone.channels, &catalog()) else { return false };
+        let Some(model) = models(&vec![loaded.model.clone(); 3], alone.counts.channels, &catalog()) else {
+            return false;
+        };
         let merged =
             scene(&Loaded { model, ..loaded }, &options).unwrap_or_else(|e| panic!("{what}: {}", e.line())).scene;
-        assert_eq!((merged.n_out, merged.inputs.len()), (3 * alone.n_out, 3 * alone.inputs.len()), "{what}");
+        assert_eq!(
+            (merged.counts.n_out, merged.inputs.len()),
+            (3 * alone.counts.n_out, 3 * alone.inputs.len()),
+            "{what}"
+        );
         let [mut one, mut all] = [&alone, &merged].map(|s| Performance::new(s, None).expect("its gesture plays"));
         for n in 0..3000 {
             one.tick();
             all.tick();
             for (k, v) in all.state.output.iter().enumerate() {
-                let want = one.state.output[k % alone.channels];
+                let want = one.state.output[k % alone.counts.channels];
                 assert_eq!(v.to_bits(), want.to_bits(), "{what}, sample {n}, channel {k}: {v:e}, not {want:e}");
             }
         }

@@ -1,4 +1,4 @@
-//! Generators: one line of text, many modules, one file each. What a generator builds: [`ca_core::internal::kind::builder`].
+//! Generators: one line of text, many modules, one file each. A generator builds with [`ca_core::internal::kind::builder`].
 //!
 //! Expansion happens in the compiler, never in the author's file, and names stay indexable: `low[8]`, `low[-1]`,
 //! `low[*]`.

@@ -8,7 +8,7 @@ use ca_core::Dim;
 pub struct Quantity {
     /// in SI base units
     pub value: f64,
-    /// its dimension; that of [`Unit::NONE`](ca_core::Unit::NONE) where no unit is written
+    /// its dimension; without a unit, the dimension of [`Unit::NONE`](ca_core::Unit::NONE)
     pub dim: Dim,
     /// whether a unit is written; without one the number is in the model's units
     pub has_unit: bool,

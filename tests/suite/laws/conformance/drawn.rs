@@ -175,7 +175,7 @@ impl Loaded {
     /// The first link of a scene.
     pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
-        let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
+        let op = scene.passes.forces.iter().find(|o| o.law.is_some()).expect("a link");
         let law = op.law.expect("a law");
         let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n]).collect();
         let (mem, tables) = (vec![0.0; law.mem], scene.tables.clone());

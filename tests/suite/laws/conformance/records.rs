@@ -70,9 +70,11 @@ fn every_example_sounds() {
 fn every_link_of_the_examples_is_known_by_name() {
     for (name, text) in texts() {
         let scene = built(&model(&text), &Options { energy: true, ..Options::default() });
-        let named: Vec<usize> = (0..scene.n_lia).filter(|k| scene.audited_name(*k).is_some_and(|n| n != "?")).collect();
+        let named: Vec<usize> =
+            (0..scene.counts.n_lia).filter(|k| scene.audited_name(*k).is_some_and(|n| n != "?")).collect();
         // what fills up a row stands there as a link from a place to itself
-        let taken: Vec<usize> = (0..scene.n_lia).filter(|k| scene.ends[*k][0] != scene.ends[*k][1]).collect();
+        let taken: Vec<usize> =
+            (0..scene.counts.n_lia).filter(|k| scene.links.ends[*k][0] != scene.links.ends[*k][1]).collect();
         let links = scene.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count();
         assert_eq!((&named, named.len()), (&taken, links), "{name}");
     }

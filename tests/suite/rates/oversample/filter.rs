@@ -7,7 +7,7 @@ use ca_core::{Scene, tick};
 
 /// Gain of the filter of the outputs at `f` times the rate of the ticks.
 fn gain(scene: &Scene, f: f64) -> f64 {
-    let (middle, sides) = scene.lowpass.split_last().expect("a filter");
+    let (middle, sides) = scene.out.lowpass.split_last().expect("a filter");
     let n = sides.len();
     let pair = |(i, h): (usize, &f64)| 2.0 * h * (TURN * f * (n - i) as f64).cos();
     (middle + sides.iter().enumerate().map(pair).sum::<f64>()).abs()

@@ -64,8 +64,12 @@ pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
             state = p.state;
         }
     }
-    let stages =
-        [("reads", &scene.reads[..]), ("forces", scene.summed()), ("writes", &scene.writes), ("moves", &scene.moves)];
+    let stages = [
+        ("reads", &scene.passes.reads[..]),
+        ("forces", scene.passes.summed()),
+        ("writes", &scene.passes.writes),
+        ("moves", &scene.passes.moves),
+    ];
     let mut rows: Vec<PassRow> = stages
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
@@ -81,8 +85,8 @@ pub(super) fn measure(scene: &Scene) -> Result<Measured, Failure> {
         })
         .collect();
     // what is done once a frame is not what most ticks do
-    let frame = f64::from(scene.frame);
-    let step = rows.iter_mut().find(|r| r.op.name == GROUP).map(|r| {
+    let frame = f64::from(scene.rates.frame);
+    let step = rows.iter_mut().find(|r| r.op.name() == GROUP).map(|r| {
         let first = fastest(&state, |s| one(&r.op, scene, s, FIRST));
         let others = fastest(&state, |s| one(&r.op, scene, s, FIRST + 1));
         r.ns = (first + (frame - 1.0) * others) / frame;
@@ -139,7 +143,7 @@ fn form(op: &Op) -> String {
 
 /// How many pairs a pass joins as one module, if it does.
 fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
-    op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
+    op.ports.pair_set.map(|c| scene.links.pair_sets[c].pairs())
 }
 
 /// What a scene could have and this one has not.
@@ -148,7 +152,10 @@ fn absent(scene: &Scene) -> Vec<&'static str> {
     let is =
         |own: &str, name: &str| own.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(" of "));
     let any = |name: &str| {
-        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| is(o.name, name))
+        [&scene.passes.reads, &scene.passes.forces, &scene.passes.writes, &scene.passes.moves]
+            .into_iter()
+            .flatten()
+            .any(|o| is(o.name(), name))
     };
     let space = scene.symbols.iter().any(|s| s.axes > 1);
     let absent = [
@@ -188,13 +195,13 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
     for (r, form) in m.rows.iter().zip(forms) {
         let stage = if r.stage == last { "" } else { r.stage };
         last = r.stage;
-        let (n, name) = (r.modules, r.op.name);
+        let (n, name) = (r.modules, r.op.name());
         let each = r.ns / n.max(1) as f64;
         let predicted = r.instructions.map_or("-".into(), |n| format!("{:.1}", n * m.ns_per_instruction));
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
         writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {predicted:>10} {each:>10.2}", r.ns)?;
     }
-    let budget = 1e9 * scene.sample_dt;
+    let budget = 1e9 * scene.rates.sample_dt;
     writeln!(
         out,
         "  whole tick {:.1} ns of {budget:.0} ns: {} times real time on one core",
@@ -210,15 +217,15 @@ pub(super) fn text(scene: &Scene, m: &Measured) -> Result<(), Failure> {
         m.instructions,
         m.ns_per_instruction
     )?;
-    if let Some((group, step)) = scene.slow.as_ref().zip(m.step) {
+    if let Some((group, step)) = scene.rates.slow.as_ref().zip(m.step) {
         writeln!(
             out,
             "  the group: {} masses and {} links take {step:.1} ns once in {} ticks, which at the sound rate each tick would take",
-            group.masses, group.links, scene.frame
+            group.masses, group.links, scene.rates.frame
         )?;
     }
     writeln!(out, "\nLeft out:")?;
-    for what in &scene.left_out {
+    for what in &scene.about.left_out {
         writeln!(out, "  {what}")?;
     }
     writeln!(out, "  {}", absent(scene).join(", "))?;
@@ -234,7 +241,7 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
             let of_links = r.op.law.is_some();
             let n = r.modules;
             json!({
-                "stage": r.stage, "pass": r.op.name, "modules": n, "stride": of_links.then_some(r.op.form.stride),
+                "stage": r.stage, "pass": r.op.name(), "modules": n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
                 "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / n.max(1) as f64,
                 "instructions_predicted": r.instructions,
@@ -243,9 +250,9 @@ pub(super) fn json(scene: &Scene, m: &Measured) -> Json {
         })
         .collect();
     json!({
-        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.sample_dt, "measured": "here",
+        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.rates.sample_dt, "measured": "here",
         "instructions_predicted": m.instructions, "ns_predicted": m.instructions * m.ns_per_instruction,
         "ns_per_instruction": m.ns_per_instruction,
-        "ns_of_group_per_frame": m.step, "left_out": scene.left_out, "absent": absent(scene),
+        "ns_of_group_per_frame": m.step, "left_out": scene.about.left_out, "absent": absent(scene),
     })
 }

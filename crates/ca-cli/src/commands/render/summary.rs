@@ -138,7 +138,7 @@ impl Summary<'_> {
         }
         if self.divergence.is_none() && !self.args.quiet {
             for (channel, share) in &self.slow {
-                let name = self.scene.channel_names.get(*channel).map_or("", String::as_str);
+                let name = self.scene.names.channel_names.get(*channel).map_or("", String::as_str);
                 let percent = (100.0 * share).round();
                 let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
                 let help = match self.furthest.as_str() {
@@ -159,7 +159,7 @@ impl Summary<'_> {
                 let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it by the {n}"));
                 format!("it can be played at {} by `--gesture`{midi}", ticked(ports.into_iter()))
             };
-            let plays = !self.args.playing.gesture.is_empty() || !self.scene.gestures.is_empty();
+            let plays = !self.args.playing.gesture.is_empty() || !self.scene.about.gestures.is_empty();
             let why = if plays { ", what its gesture moves does not reach an output" } else { "" };
             term::note(&format!("nothing sounds{why}; {help}"));
         }
@@ -212,7 +212,7 @@ impl Summary<'_> {
         if self.ended.faded {
             writeln!(out, "  ending     still sounds: its last 20 ms are faded; `--no-fade` leaves them")?;
         }
-        let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
+        let name = |i: usize| self.scene.names.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
             .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.divergence.is_some())))
             .collect();
@@ -234,7 +234,7 @@ impl Summary<'_> {
 
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
         let b = a.ledger.balance();
-        let time = a.ticks as f64 * self.scene.sample_dt;
+        let time = a.ticks as f64 * self.scene.rates.sample_dt;
         if let Some(divergence) = self.divergence {
             // how large all was at the last tick in range measures the divergence and nothing else
             let grows = grows(self.scene, &a.ledger);
@@ -276,14 +276,14 @@ impl Summary<'_> {
             writeln!(
                 out,
                 "      {} of it by the compensated border of groups at the gesture rate",
-                joule(a.ledger.border)
+                joule(a.ledger.groups.border)
             )?;
         }
         writeln!(out, "    stored   {}", joule(b.h))?;
         for (name, received, given) in border::exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
             writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} by the delay")?;
-            if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
+            if let Some(scale) = self.scene.hand.equivalence.keys.iter().find(|k| k.key == name) {
                 writeln!(out, "             `{name}` is {}", border::scale_of(scale))?;
             }
         }
@@ -296,7 +296,7 @@ impl Summary<'_> {
         let channels: Vec<Json> = (0..w.level.peak.len())
             .map(|i| {
                 let dbfs = (w.level.peak[i] > 0.0).then(|| decibel(w.level.peak[i]));
-                json!({"name": self.scene.channel_names.get(i), "peak": w.level.peak[i], "peak_dbfs": dbfs})
+                json!({"name": self.scene.names.channel_names.get(i), "peak": w.level.peak[i], "peak_dbfs": dbfs})
             })
             .collect();
         let energy = self.energy.map(|a| {
@@ -308,10 +308,10 @@ impl Summary<'_> {
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
             json!({
-                "seconds": a.ticks as f64 * self.scene.sample_dt, "whole": a.whole, "residual": b.residual,
+                "seconds": a.ticks as f64 * self.scene.rates.sample_dt, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
-                "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.border),
+                "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.groups.border),
             })
         });
         let divergence =
@@ -349,7 +349,7 @@ pub(crate) fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
 
 /// True where groups at the gesture rate have a border that may make energy.
 fn compensated(scene: &Scene) -> bool {
-    scene.slow.as_ref().is_some_and(|g| g.compensated)
+    scene.rates.slow.as_ref().is_some_and(|g| g.compensated)
 }
 
 /// The links that made most energy, so many of them, most first.
@@ -374,20 +374,22 @@ pub(crate) fn stability(c: &Certificate) -> String {
             format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
         }
     };
-    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
+    let by = if c.rules.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.rules.decides) };
     format!("{}{by}, {margin}{worst}{silent}", c.level)
 }
 
 /// The stiffest explicit contact, and what such contacts were measured to make.
 pub(crate) fn contacting(c: &Certificate) -> Option<String> {
-    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
-    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
+    let what = || {
+        format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.rules.stiffest, short(c.rules.contact))
+    };
+    (c.rules.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.rules.contact)))
 }
 
 /// Links that are judged at rest only.
 pub(crate) fn opened(c: &Certificate) -> Option<String> {
-    let names = ticked(c.open.iter().map(String::as_str));
-    (!c.open.is_empty())
+    let names = ticked(c.rules.open.iter().map(String::as_str));
+    (!c.rules.open.is_empty())
         .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 
@@ -410,8 +412,8 @@ pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
-        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
-        "depth": c.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.friction,
-        "closed": c.closed, "decides": c.decides, "open": c.open, "not_judged": c.not_judged,
+        "worst": c.worst, "contact": c.rules.contact, "stiffest": c.rules.stiffest,
+        "depth": c.rules.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.rules.friction,
+        "closed": c.rules.closed, "decides": c.rules.decides, "open": c.rules.open, "not_judged": c.not_judged,
     })
 }

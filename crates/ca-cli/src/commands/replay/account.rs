@@ -26,7 +26,7 @@ impl Account {
     pub(super) fn of(engine: &Engine) -> Option<Account> {
         let scene = &engine.scene;
         let ledger = engine.state.ledger.as_ref()?;
-        let scale = scene.equivalence.of("").energy();
+        let scale = scene.hand.equivalence.of("").energy();
         let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
         let given = hand(|p, k| p.chain.ledger.given[k]);
         let removed = hand(|p, k| p.chain.ledger.removed(k));

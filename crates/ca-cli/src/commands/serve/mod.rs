@@ -103,15 +103,15 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         Some(aside(&mut sinks, "ca terminal", words, room, RtRequest::default())?)
     };
     let wav = match &args.output {
-        Some(path) if scene.channels > 0 => {
+        Some(path) if scene.counts.channels > 0 => {
             load::check_wav_path(path)?;
-            let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.channels), room, busy)?)
+            let out = WavOut::create(path, scene.rate, scene.counts.channels, Format::F32)?;
+            Some(aside(&mut sinks, "ca sound", wav::Wav::new(out, scene.counts.channels), room, busy)?)
         }
         Some(_) => return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into())),
         None => None,
     };
-    if args.audio.is_some() && scene.channels == 0 {
+    if args.audio.is_some() && scene.counts.channels == 0 {
         return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
     }
     // before `take`, so that its file is closed when it is removed
@@ -164,20 +164,20 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
         ClockKind::Monotonic => Clock::Audio,
         ClockKind::Device => Clock::Device { patience: PATIENCE },
     };
-    let frame_rate = scene.rate / f64::from(scene.ratio);
+    let frame_rate = scene.rate / f64::from(scene.rates.ratio);
     let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
     let every = RecordIntervals {
         energy: each(100.0, args.energy),
         view: each(f64::from(PICTURES), looks),
         // of a large state it would take longer than a frame has
-        hash: each(1.0, looks && scene.n_mat <= HASHED),
+        hash: each(1.0, looks && scene.counts.n_mat <= HASHED),
     };
     let frames = args.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     sound.start()?;
     match recorder.heard() {
         Some((device, ms)) => recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
-        None if page.is_some() && scene.channels > 0 => {
+        None if page.is_some() && scene.counts.channels > 0 => {
             recorder.say(false, "sound: by the page, which says how late".into());
         }
         None => {}

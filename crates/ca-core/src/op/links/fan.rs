@@ -21,7 +21,7 @@ pub struct Fan<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomDat
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body<R> for Fan<P, C, M, OFFSET> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-        let [first, second] = layout.ends[op.first].map(|m| m as usize);
+        let [first, second] = layout.links.ends[op.first].map(|m| m as usize);
         if op.form.hub == Hub::First {
             links::<R, P, C, M, OFFSET, true>(op, layout, s, first, second);
         } else {
@@ -40,7 +40,7 @@ fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bo
     row: usize,
 ) {
     let n = op.n;
-    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let coef = &s.coef[op.coef..][..C * n];
     let columns: [&[R]; C] = core::array::from_fn(|k| &coef[k * n..][..n]);
     let (at, sum) = ([s.x[hub], s.d[hub]], s.f[hub]);

@@ -14,13 +14,13 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
     s: &mut State<R>,
 ) {
     let n = op.n;
-    let ends = &layout.ends[op.first..][..n];
-    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let ends = &layout.links.ends[op.first..][..n];
+    let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     // of one length, so that an end is looked up once in each and compared with it once
     let x = &s.x[..];
     let (d, f) = (&s.d[..x.len()], &mut s.f[..x.len()]);
-    let mem = &mut s.mem[op.mem..][..n * M];
+    let mem = &mut s.links.mem[op.mem..][..n * M];
     for i in 0..n {
         let [a, b] = [ends[i][0] as usize, ends[i][1] as usize];
         let mut e = x[b] - x[a];
@@ -33,7 +33,7 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
             let (from, to) = P::idle(&c);
             if e >= from && e <= to {
                 if TAP {
-                    s.tap[op.tap + i] = R::ZERO;
+                    s.links.tap[op.tap + i] = R::ZERO;
                 }
                 continue;
             }
@@ -46,7 +46,7 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
         f[a] += force;
         f[b] -= force;
         if TAP {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }

@@ -4,6 +4,7 @@ use super::choose::kernel;
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
 use crate::op::account::{Energies, numbers};
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Law, LawFns, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
@@ -19,11 +20,12 @@ impl Law {
             contact: P::CONTACT,
             stage: SolveStage::Explicit,
             implicit: false,
-            load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
-            bound: |c, tables| P::bound(&numbers(c), tables),
-            steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
-            simpler: |_| None,
-            variants: &[],
+            at_load: LoadFns {
+                load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
+                bound: |c, tables| P::bound(&numbers(c), tables),
+                steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
+            },
+            cheaper: Cheaper::NONE,
             table: None,
             fns: LawFns::of::<P, C, M>(),
         }
@@ -36,8 +38,14 @@ impl Law {
         variants: &'static [&'static Law],
         simpler: fn(&[ParamBinding]) -> Option<&'static Law>,
     ) -> Law {
-        self.variants = variants;
-        self.simpler = simpler;
+        self.cheaper.variants = variants;
+        self.cheaper.simpler = simpler;
+        self
+    }
+
+    /// The same law with its parameters in other places.
+    pub(crate) const fn loaded_by(mut self, load: fn(&[Option<f64>], f64, &mut [f64])) -> Law {
+        self.at_load.load = load;
         self
     }
 
@@ -52,7 +60,7 @@ impl Law {
 /// The coefficients of one link of a law, from its parameters in SI and the tick, `tick_dt` \[s\].
 pub fn loaded(law: &Law, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
     let mut c = alloc::vec![0.0; law.coefs];
-    (law.load)(p, tick_dt, &mut c);
+    (law.at_load.load)(p, tick_dt, &mut c);
     c
 }
 
@@ -69,7 +77,7 @@ pub fn family(law: &'static Law) -> Vec<&'static Law> {
     let mut next = 0;
     while let Some(law) = all.get(next).copied() {
         let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
-        for variant in law.variants.iter().copied().chain(other) {
+        for variant in law.cheaper.variants.iter().copied().chain(other) {
             if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
                 all.push(variant);
             }

@@ -8,7 +8,7 @@
 //! all measure by these functions.
 //!
 //! The change of a distance is that to the distance one tick before (docs/numerics.md §1.1). Links that are measured in every
-//! tick keep it ([`Measure::follow`], [`State::lengths`](crate::State::lengths)): one root a tick, and motion need not be
+//! tick keep it ([`Measure::follow`], [`LinkState::lengths`](crate::state::LinkState::lengths)): one root a tick, and motion need not be
 //! read. Contacts are not, and those that touch have the change from motion ([`Measure::measure`]), as
 //! `(D + D')·(D − D') / (l + l')` with D' the vector one tick before. At zero length the direction is undefined and the
 //! force is zero (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
@@ -46,7 +46,7 @@ pub fn density<R: Real>(force: R, l: R) -> R {
 
 /// A way of measuring, as a type, for kernels.
 pub trait Measure {
-    /// True where the ends are points in space, with an entry in [`Layout::reach`].
+    /// True where the ends are points in space, with an entry in [`LinkArrays::reach`](crate::op::layout::LinkArrays::reach).
     const SPACE: bool;
 
     /// Measures between the places `a` and `b`, the change by their motion.
@@ -212,8 +212,9 @@ pub fn ports<R: Real>(
     first: usize,
     i: usize,
 ) -> impl Iterator<Item = (MeasureKind, [u32; 2], [R; 4])> {
-    let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [R::ZERO; 4] } else { layout.reach[at + i] };
-    let one = (ports.measure, layout.ends[first + i], reach(ports.measure, ports.reach));
-    let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));
+    let reach =
+        |g: MeasureKind, at: usize| if g == MeasureKind::Line { [R::ZERO; 4] } else { layout.links.reach[at + i] };
+    let one = (ports.measure, layout.links.ends[first + i], reach(ports.measure, ports.reach));
+    let two = ports.onto.map(|(g, ends, at)| (g, layout.links.onto[ends + i], reach(g, at)));
     core::iter::once(one).chain(two)
 }

@@ -47,17 +47,17 @@ fn place<R: Real>(near: &mut VerletList, set: &PairSet, rest: &[R], x: &[R]) {
     near.place(|k| [three(rest, members[k]), three(x, members[k])].map(|v| v.map(R::wide)));
 }
 
-/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`State::tap`] if asked.
+/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`LinkState::tap`](crate::state::LinkState::tap) if asked.
 pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<R> for All<P, C, M, TAP> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let Some(at) = op.ports.pair_set else { return };
-        let (set, near) = (&layout.pair_sets[at], &mut s.near[at]);
+        let (set, near) = (&layout.links.pair_sets[at], &mut s.links.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
-        let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.rest);
-        let tap = if TAP { &mut s.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
+        let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.places.rest);
+        let tap = if TAP { &mut s.links.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
         tap.fill(R::ZERO);
         let (from, to) = P::idle(c);
         let radius = radius((from, to));
@@ -130,12 +130,12 @@ pub fn touched<R: Real>(
     idle: (R, R),
     mut visit: impl FnMut([R; 3]),
 ) {
-    let (set, x, d) = (&layout.pair_sets[at], &s.x[..], &s.d[..]);
-    place(near, set, &layout.rest, x);
+    let (set, x, d) = (&layout.links.pair_sets[at], &s.x[..], &s.d[..]);
+    place(near, set, &layout.places.rest, x);
     let fastest = |d: &[R]| set.members.iter().map(|m| square(three(d, *m))).fold(R::ZERO, R::max).sqrt();
     let moved = R::of(2.0) * (fastest(d) + fastest(d0));
     near.each((radius(idle) + moved).wide(), |i, j| {
-        let (ends, reach) = pair(set, &layout.rest, i, j);
+        let (ends, reach) = pair(set, &layout.places.rest, i, j);
         visit(
             super::measure::around(crate::op::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0,
         );

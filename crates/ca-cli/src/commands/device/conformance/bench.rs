@@ -155,7 +155,7 @@ impl Bench {
             gains: Vec::new(),
         };
         let port = Port::new(&scene, setup);
-        let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.ratio) / scene.rate);
+        let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.rates.ratio) / scene.rate);
         let own = Options { session: session(), ..Options::default() };
         Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period, rest, stretch })
     }

@@ -34,7 +34,7 @@ fn open(args: &ServeArgs, wants: &AudioRequest, plays: bool) -> Result<Option<(S
             let opened = ca_audio::open(name, wants).map_err(|e| Failure::Failed(format!("--audio {name}: {e}")))?;
             Ok(Some((name.into(), opened)))
         }
-        None if plays && wants.scene.channels > 0 && args.clock == ClockKind::Monotonic => {
+        None if plays && wants.scene.counts.channels > 0 && args.clock == ClockKind::Monotonic => {
             Ok(ca_audio::first(wants, |why| term::note(&why)).map(|(name, opened)| (name.to_owned(), opened)))
         }
         None => Ok(None),

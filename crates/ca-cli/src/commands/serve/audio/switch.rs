@@ -87,7 +87,7 @@ impl Switch {
             None => if page { PAGE } else { "" }.into(),
         };
         let (outlet, patch) = outlet(follow);
-        let open = scene.channels > 0 && args.clock == ClockKind::Monotonic;
+        let open = scene.counts.channels > 0 && args.clock == ClockKind::Monotonic;
         let mut switch = Switch {
             wants,
             page,

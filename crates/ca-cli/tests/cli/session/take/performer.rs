@@ -128,8 +128,8 @@ impl Performer {
     pub fn frame(&mut self) {
         self.seq += 1;
         let due = self.engine.due();
-        let ratio = u64::from(self.engine.scene.ratio);
-        let t = (due.saturating_sub(1) / ratio) as f64 * self.engine.scene.sample_dt * ratio as f64;
+        let ratio = u64::from(self.engine.scene.rates.ratio);
+        let t = (due.saturating_sub(1) / ratio) as f64 * self.engine.scene.rates.sample_dt * ratio as f64;
         for k in 0..self.engine.ports.len() {
             let (name, n) = (self.engine.ports[k].name.clone(), self.engine.ports[k].profile.dof as usize);
             let mut frame = DeviceFrame::new(&name, n);
