@@ -74,10 +74,8 @@ fn own<R: Real>(scene: &Scene<R>, s: &State<R>) {
 #[cold]
 #[inline(never)]
 fn foreign<R: Real>(scene: &Scene<R>) -> ! {
-    panic!(
-        "the state is not of the scene `{}`: make it by `scene.state()` of the scene that is played",
-        scene.about.title
-    )
+    let title = &scene.about.title;
+    panic!("the state is not of the scene `{title}`: make it by `scene.state()` of the scene that is played")
 }
 
 #[inline]
