@@ -1,6 +1,6 @@
 //! Contacts between all pairs of grains in a shell: each pair a module, all pairs tested in one pass, and by a list of
 //! neighbours. What is timed is that pass alone, inside the tick, on grains that go on flying, each time from the same
-//! state. The constants of `ca_core::numeric::VerletList` and the least number of pairs that make a set come from here.
+//! state. The constants of `ca_core::internal::numeric::VerletList` and the least number of pairs that make a set come from here.
 //!
 //! `… apart` is a set of which nothing ever touches: its time by its pairs is what a pair costs that is idle.
 #![allow(missing_docs)]
@@ -16,11 +16,11 @@ const WARM: u64 = 500;
 
 /// Time of the pass of the grains in `ticks` ticks.
 fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
-    let hits = scene.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
+    let hits = scene.passes.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
     let mut retired = Duration::ZERO;
     for _ in 0..ticks {
-        for (i, op) in scene.reads.iter().chain(scene.summed()).enumerate() {
-            let begin = (i == hits + scene.reads.len()).then(Instant::now);
+        for (i, op) in scene.passes.reads.iter().chain(scene.passes.summed()).enumerate() {
+            let begin = (i == hits + scene.passes.reads.len()).then(Instant::now);
             (op.kernel)(op, scene, s);
             retired += begin.map_or(Duration::ZERO, |b| b.elapsed());
         }
@@ -52,7 +52,7 @@ fn contacts(c: &mut Criterion) {
                 }
                 let scene = compiled(&model, class, false);
                 let mut warm = scene.state();
-                warm.near.iter_mut().for_each(|near| near.skin = skin);
+                warm.links.near.iter_mut().for_each(|near| near.skin = skin);
                 (0..WARM).for_each(|_| tick(&scene, &mut warm));
                 g.bench_function(BenchmarkId::new(method, n), |b| {
                     b.iter_custom(|ticks| pass(&scene, &mut warm.clone(), ticks));

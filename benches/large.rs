@@ -81,7 +81,7 @@ fn modules(scene: &Scene) -> usize {
 /// ns of a tick a module, the least of `rounds` that play so many modules in all.
 fn played(scene: &Scene, rounds: usize, in_all: usize) -> f64 {
     let blocks = (in_all / modules(scene)).div_ceil(BLOCK).max(1);
-    let (mut s, mut heard) = (scene.state(), vec![0.0; BLOCK * scene.n_out]);
+    let (mut s, mut heard) = (scene.state(), vec![0.0; BLOCK * scene.counts.n_out]);
     let mut round = || {
         let begin = processor();
         (0..blocks).for_each(|_| assert!(process(scene, &mut s, &mut heard)));

@@ -5,7 +5,7 @@
 
 use ca_benches::{by_hand, compiled, mims_mesh, string};
 use ca_compile::KernelClass;
-use ca_core::scene::certificate::Level;
+use ca_core::Level;
 use ca_import::mims;
 use ca_model::read::read;
 use criterion::{Criterion, criterion_group, criterion_main};

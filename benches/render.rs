@@ -28,7 +28,8 @@ fn round(text: &str, name: &str, to: &Path, part: f64) -> [f64; 3] {
         let scene = compile(&model, &catalog, &Options::default()).expect("a bundled model compiles").scene;
         let performance = Performance::new(&scene, None).expect("its gesture plays");
         let n = frames(&scene, seconds(&performance, None) * part);
-        let mut wav = WavOut::create(to, scene.rate, scene.channels, Format::F32).expect("the file can be written");
+        let mut wav =
+            WavOut::create(to, scene.rate, scene.counts.channels, Format::F32).expect("the file can be written");
         let (mut played, mut written) = (0.0, 0.0);
         let ((), both) = cost(|| {
             let heard = &mut |_: &Performance, rows: &[f64], _| {

@@ -47,9 +47,9 @@ fn space(c: &mut Criterion) {
             g.bench_function(name, |b| b.iter(|| (op.kernel)(op, &scene.layout, &mut state)));
         };
         if i == 0 {
-            run("mass", &scene.moves[0]);
+            run("mass", &scene.passes.moves[0]);
         }
-        run(name, scene.forces.iter().find(|o| o.law.is_some()).expect("links"));
+        run(name, scene.passes.forces.iter().find(|o| o.law.is_some()).expect("links"));
     }
     g.finish();
 }

@@ -4,8 +4,7 @@
 
 use ca_benches::{catalog, compiled, mesh, model, random, scene, string};
 use ca_compile::{KernelClass, Options, load};
-use ca_core::numeric::Precision;
-use ca_core::tick;
+use ca_core::{Precision, tick};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 
 fn step(c: &mut Criterion) {
@@ -26,7 +25,7 @@ fn step(c: &mut Criterion) {
         for (case, kernel, energy) in cases {
             let scene = compiled(&model, kernel, energy);
             let mut state = scene.state();
-            g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
+            g.throughput(Throughput::Elements((scene.counts.n_mat + scene.counts.n_lia) as u64));
             g.bench_function(case, |b| b.iter(|| tick(&scene, &mut state)));
         }
         g.finish();
@@ -39,7 +38,7 @@ fn precision(c: &mut Criterion) {
         let mut g = c.benchmark_group(name);
         let scene = scene(&text);
         let mut state = scene.state();
-        g.throughput(Throughput::Elements((scene.n_mat + scene.n_lia) as u64));
+        g.throughput(Throughput::Elements((scene.counts.n_mat + scene.counts.n_lia) as u64));
         g.bench_function("double", |b| b.iter(|| tick(&scene, &mut state)));
         let options = Options { precision: Precision::Single, ..Options::default() };
         let scene = load(&text, "bench.ca.toml", &catalog(), &options).1.expect("the bench compiles").scene;

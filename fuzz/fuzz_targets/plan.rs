@@ -5,9 +5,8 @@
 //! first 32 bytes.
 #![no_main]
 
-use ca_core::scene::PLAN_VERSION;
-use ca_core::state::checksum;
-use ca_core::{ARITHMETIC, Scene, tick};
+use ca_core::{PLAN_VERSION, ARITHMETIC, Scene, tick};
+use ca_core::internal::state::checksum;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|data: &[u8]| {

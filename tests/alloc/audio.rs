@@ -22,8 +22,8 @@ fn run(frames: u64, change: bool) -> (u64, u64) {
     let engine = Engine::new(scene.clone(), vec![], Options::default());
     let (mut ends, _gateway, _recorder) = rings(&scene, 0, 0);
     let who = PlaybackDevice { rate: 48_000, channels: 2, ..PlaybackDevice::default() };
-    let before = link(scene.channels, scene.ratio, who.clone(), 64);
-    let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, 64);
+    let before = link(scene.counts.channels, scene.rates.ratio, who.clone(), 64);
+    let (follow, mut player, watch) = link(scene.counts.channels, scene.rates.ratio, who, 64);
     let patch = if change {
         let (outlet, mut patch) = outlet(Some(before.0));
         assert!(patch.put(Some(follow)));

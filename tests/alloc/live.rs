@@ -173,7 +173,10 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
     let noted = looked + c.frames + c.frames / 30 + c.frames / 3000;
     assert_eq!(found.devices + found.forces + found.regular + lost_records, noted, "every record, or counted");
     assert!(found.lost <= lost_records);
-    assert_eq!(found.sound + lost_sound, c.frames * u64::from(scene.ratio) * scene.channels as u64 - first(&scene));
+    assert_eq!(
+        found.sound + lost_sound,
+        c.frames * u64::from(scene.rates.ratio) * scene.counts.channels as u64 - first(&scene)
+    );
     let [off, ramp, on, _, fault] = found.modes;
     assert!([off, ramp, on, fault].iter().all(|n| *n > 20), "off, ramp, on, damp, fault: {found:?}");
     assert!(
@@ -191,5 +194,5 @@ fn burn(over: &AtomicBool) {
 
 /// The very first frame only places the devices, and sounds shorter.
 fn first(scene: &ca_core::Scene) -> u64 {
-    u64::from(scene.ratio - 1) * scene.channels as u64
+    u64::from(scene.rates.ratio - 1) * scene.counts.channels as u64
 }

@@ -115,7 +115,7 @@ fn scenes() -> Vec<(String, Scene)> {
         for energy in [false, true] {
             let options = Options { energy, ..Options::default() };
             let scene = compile(&model, &catalog, &options).unwrap_or_else(|d| panic!("{name}: {d}")).scene;
-            assert!(scene.slow.is_some(), "{name}");
+            assert!(scene.rates.slow.is_some(), "{name}");
             all.push((format!("{name}, energy {energy}"), scene));
         }
     }
@@ -142,7 +142,7 @@ fn a_tick_allocates_nothing() {
             }
         });
         assert_eq!(n, 0, "{name}");
-        let mut block = vec![0.0; 64 * scene.n_out.max(1)];
+        let mut block = vec![0.0; 64 * scene.counts.n_out.max(1)];
         assert_eq!(calls(|| assert!(process(&scene, &mut s, &mut block))), 0, "{name}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::TICKS;
 use ca_compile::cost;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use ca_core::{Scene, State};
 use std::hint::black_box;
 use std::io::Write as _;
@@ -25,7 +25,11 @@ fn counted_all(pass: usize) -> usize {
 /// Counts each pass of a scene by itself, in ticks that are otherwise played as ever, and prints what it is.
 pub fn passes(name: &str, scene: &Scene) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
-    let all = || [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves].into_iter().flatten();
+    let all = || {
+        [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves]
+            .into_iter()
+            .flatten()
+    };
     for (i, op) in all().enumerate() {
         let mut state = scene.state();
         for _ in 0..TICKS {
@@ -53,7 +57,7 @@ pub fn passes(name: &str, scene: &Scene) -> std::io::Result<()> {
                 f.band
             ),
         };
-        writeln!(out, "{TICKS} {predicted} 0 {name:<18} {:<15} n {:<5} {form}", op.name, op.n)?;
+        writeln!(out, "{TICKS} {predicted} 0 {name:<18} {:<15} n {:<5} {form}", op.name(), op.n)?;
     }
     Ok(())
 }

@@ -100,8 +100,8 @@ fn border_grows(rate: &str, kt: f64, beta: f64) -> bool {
     let step = || {
         let x = device.step(&[force], FRAME_DT)[0];
         s.input[0] = x;
-        (0..scene.ratio).for_each(|_| tick(&scene, &mut s));
-        force = s.border[0].force;
+        (0..scene.rates.ratio).for_each(|_| tick(&scene, &mut s));
+        force = s.ports.border[0].force;
         x.abs() / unit(beta)
     };
     growth(FRAMES, step) > GROWN

@@ -19,12 +19,12 @@ pub(super) fn grows(text: &str, size: f64) -> bool {
     let scene = scene(text);
     let mut s = scene.state();
     let mut seed = 88_172_645_463_325_252u64;
-    for i in 0..scene.n_mat {
+    for i in 0..scene.counts.n_mat {
         seed ^= seed << 13;
         seed ^= seed >> 7;
         seed ^= seed << 17;
         // what is fixed stays: its mobility is 0
-        if s.coef[2 * scene.n_mat + i] > 0.0 {
+        if s.coef[2 * scene.counts.n_mat + i] > 0.0 {
             s.x[i] = size * (0.5 + 0.5 * (seed >> 11) as f64 / (1u64 << 53) as f64) * f64::from(1 - 2 * (i % 2) as i8);
         }
     }

@@ -6,9 +6,7 @@ use super::device::{self, Rig};
 use crate::catalog;
 use ca_compile::load::finish;
 use ca_compile::{Options, compile};
-use ca_core::kind::Type;
-use ca_core::live::Controls;
-use ca_core::{Scene, tick};
+use ca_core::{Controls, Scene, Type, tick};
 use ca_haptic::frame::DeviceFrame;
 use ca_model::read::read;
 
@@ -68,7 +66,7 @@ pub fn parameters() -> Door {
 /// The examples of the catalog that compile as they are.
 fn examples() -> Vec<(&'static str, Scene)> {
     let catalog = catalog();
-    let scene = |kind: &'static ca_core::kind::Kind| {
+    let scene = |kind: &'static ca_core::Kind| {
         let (model, _) = read(kind.example, "example.ca.toml", &catalog);
         compile(&model, &catalog, &Options::default()).ok().map(|compiled| (kind.code, compiled.scene))
     };
@@ -87,10 +85,10 @@ pub fn ports() -> Door {
                 for n in 0..200 {
                     s.input[port] = if n < 100 { bad } else { 1e-3 };
                     tick(&scene, &mut s);
-                    let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.tap, &s.mem];
+                    let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.links.tap, &s.links.mem];
                     finite &= all.iter().all(|v| v.iter().all(|v| v.is_finite()));
                 }
-                door.tries(finite && s.refused > 0, || format!("{bad} at {} of {code}", input.name));
+                door.tries(finite && s.ports.refused > 0, || format!("{bad} at {} of {code}", input.name));
             }
         }
     }

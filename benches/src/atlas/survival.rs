@@ -213,7 +213,7 @@ impl Case {
             Case::Flight => {
                 let (scene, mut s) = ready(text, false);
                 (0..ticks).for_each(|_| tick(&scene, &mut s));
-                let way = ticks as f64 * scene.sample_dt;
+                let way = ticks as f64 * scene.rates.sample_dt;
                 Outcome::Astray((s.x[0] / way - 1.0).abs())
             }
         }
@@ -265,7 +265,7 @@ const BLOWN: f64 = 1e7;
 /// more \[m/tick\].
 fn energy(text: &str, ticks: u64, masses: &[f64], kick: f64) -> Outcome {
     let (scene, mut s) = ready(text, true);
-    for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.n_mat..]) {
+    for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.counts.n_mat..]) {
         *d += if *c > 0.0 { kick } else { 0.0 };
     }
     let held = |s: &State| s.ledger.as_ref().map_or(f64::NAN, |l| l.h + l.balance().lost);

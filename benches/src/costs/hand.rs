@@ -157,7 +157,7 @@ impl Rig {
             Rig::Ticks => {
                 let scene = Played::new(string(100)).scene();
                 let mut state = scene.state();
-                Box::new(move |n| (0..n * scene.ratio).for_each(|_| tick(&scene, &mut state)))
+                Box::new(move |n| (0..n * scene.rates.ratio).for_each(|_| tick(&scene, &mut state)))
             }
             Rig::Engine => engine_alone(Played::new(string(100)).scene()),
             Rig::Keys => engine_alone(keys()),

@@ -14,8 +14,8 @@ mod scenes;
 
 use crate::{compiled, model};
 use ca_compile::KernelClass;
-use ca_core::state::Identity;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::state::give_to;
+use ca_core::{Identity, Scene, State, tick};
 pub use hand::Rig;
 use std::hint::black_box;
 
@@ -104,9 +104,9 @@ impl Played {
     pub fn scene(&self) -> Scene {
         let mut scene = compiled(&model(&self.text), KernelClass::Fast, self.energy);
         if let Also::Omits(name) = self.also {
-            let all = scene.moves.len();
-            scene.moves.retain(|op| op.name != name);
-            assert!(scene.moves.len() < all, "there is no pass `{name}`");
+            let all = scene.passes.moves.len();
+            scene.passes.moves.retain(|op| op.name() != name);
+            assert!(scene.passes.moves.len() < all, "there is no pass `{name}`");
         }
         scene
     }
@@ -126,7 +126,7 @@ impl Played {
             let patch = controls.set("k", 1.001 * k).expect("`k` is live");
             assert!(state.apply(&patch, u32::MAX) && state.ramps.is_moving());
         }
-        let frame = if matches!(also, Also::Watches | Also::Hashes) { scene.ratio } else { u32::MAX };
+        let frame = if matches!(also, Also::Watches | Also::Hashes) { scene.rates.ratio } else { u32::MAX };
         Box::new(move |n| {
             let mut left = n;
             while left > 0 {
@@ -165,13 +165,18 @@ impl Run {
 
 /// Passes of a scene: name, modules, kernel.
 fn passes(scene: &Scene) -> Vec<(&'static str, usize, usize)> {
-    let all = [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves].into_iter().flatten();
-    all.map(|op| (op.name, op.n, op.kernel as usize)).collect()
+    let all = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves]
+        .into_iter()
+        .flatten();
+    all.map(|op| (op.name(), op.n, op.kernel as usize)).collect()
 }
 
 /// The state at load, but for whose it is and for what callers give to ports: they may, to those that nothing hears too.
 fn state(scene: &Scene) -> State {
-    State { scene: Identity::default(), input: Vec::new(), last_input: Vec::new(), ..scene.state() }
+    let mut state = scene.state();
+    give_to(&mut state, Identity::default());
+    (state.input, state.ports.last_input) = (Vec::new(), Vec::new());
+    state
 }
 
 impl CostRow {

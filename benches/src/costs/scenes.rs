@@ -200,7 +200,7 @@ fn checks() -> Vec<CostRow> {
             "a channel, 18 kHz",
             1,
             low_pass,
-            Without::Absent(&["low pass"], |s| s.lowpass.len()),
+            Without::Absent(&["low pass"], |s| s.ports.lowpass.len()),
         ),
         live("live parameter, at rest", Also::Nothing),
         live("live parameter, on its way", Also::Ramps),
@@ -344,7 +344,7 @@ fn methods() -> Vec<CostRow> {
 fn ports() -> Vec<CostRow> {
     let fixed = || keys("SOL", "");
     let key = |with: &'static str, rate: &str| {
-        let border: fn(&State) -> usize = |s| s.border.len() + s.late.len();
+        let border: fn(&State) -> usize = |s| s.ports.border.len() + s.ports.late.len();
         let without = Without::Absent(&["TGR in", "TGR out"], border);
         row("device key", with, KEYS, [run(fixed()), run(keys("TGR", rate))], without)
     };

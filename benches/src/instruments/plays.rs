@@ -141,7 +141,7 @@ impl Plays {
         }
         let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), ..Options::default() };
         let scene = loaded.compile(&options).unwrap_or_else(|e| panic!("{name}: {e:?}")).scene;
-        let built = scene.gestures.iter().map(|(port, points)| {
+        let built = scene.about.gestures.iter().map(|(port, points)| {
             let begin = points.first().map_or(0.0, |p| p[1]);
             let at = |p: &[f64; 2]| (take.slower * p[0], begin + take.way * (p[1] - begin));
             Track::points(port.clone(), points.iter().map(at).collect())

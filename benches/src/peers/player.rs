@@ -59,7 +59,7 @@ impl Engine {
             };
             for e in 0..symbol.axes as usize {
                 let at = at as usize + e;
-                started.mats[i].x[e] = self.scene.layout.rest[at] + state.x[at];
+                started.mats[i].x[e] = self.scene.layout.places.rest[at] + state.x[at];
                 started.mats[i].v[e] = state.d[at];
             }
         }

@@ -85,7 +85,7 @@ pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     tick(&scene, &mut s);
     let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h0);
     let touches = |i: &usize| scene.audited_name(*i).is_some_and(|n| n.starts_with("touch"));
-    let contacts: Vec<usize> = (0..scene.n_lia).filter(touches).collect();
+    let contacts: Vec<usize> = (0..scene.counts.n_lia).filter(touches).collect();
     let mut f = Fared { end: 1.0, worst: 0.0, residual: 0.0, made: 0.0, seconds };
     for n in 0..(seconds * RATE) as u64 {
         tick(&scene, &mut s);

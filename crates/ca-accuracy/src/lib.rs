@@ -120,7 +120,7 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     let probes = ask.probes.to_vec();
     let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
-    let seconds = ask.seconds.unwrap_or_else(|| scene.seconds.unwrap_or(LONGEST).min(LONGEST));
+    let seconds = ask.seconds.unwrap_or_else(|| scene.about.seconds.unwrap_or(LONGEST).min(LONGEST));
     let samples = seconds * rate;
     if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
         let most = MOST / (rate * probes.len() as f64);
@@ -184,9 +184,9 @@ fn bodies(scene: &Scene) -> Vec<usize> {
         Some((place, "x" | "y" | "z")) => place.to_owned(),
         _ => name.to_owned(),
     };
-    let mut of: Vec<usize> = Vec::with_capacity(scene.probe_names.len());
+    let mut of: Vec<usize> = Vec::with_capacity(scene.names.probe_names.len());
     let mut last = None;
-    for (name, asked) in scene.probe_names.iter().zip(&scene.probe_of) {
+    for (name, asked) in scene.names.probe_names.iter().zip(&scene.names.probe_of) {
         let here = Some((place(name), *asked));
         let next = of.last().map_or(0, |n| n + usize::from(here != last));
         of.push(next);

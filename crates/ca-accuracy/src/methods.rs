@@ -156,6 +156,6 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
 
 /// True where two scenes run the same passes on the same numbers.
 fn same(a: &Scene, b: &Scene) -> bool {
-    let names = |s: &Scene| s.forces.iter().chain(&s.moves).map(|o| o.name).collect::<Vec<_>>();
+    let names = |s: &Scene| s.passes.forces.iter().chain(&s.passes.moves).map(|o| o.name()).collect::<Vec<_>>();
     a.state() == b.state() && names(a) == names(b)
 }

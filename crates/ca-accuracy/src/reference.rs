@@ -138,9 +138,9 @@ fn highest(loaded: &Loaded) -> f64 {
 
 /// The motion of the modes at the probes; `None` where they are not all there is.
 fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> Option<Columns> {
-    let still = scene.inputs.is_empty() && scene.gestures.is_empty() && scene.layout.weighed.is_empty();
+    let still = scene.inputs.is_empty() && scene.about.gestures.is_empty() && scene.layout.weighed.is_empty();
     let flat = scene.symbols.iter().all(|s| s.axes == 1);
-    let n = scene.n_out - scene.channels;
+    let n = scene.counts.n_out - scene.counts.channels;
     if !still || !flat || n == 0 {
         return None;
     }

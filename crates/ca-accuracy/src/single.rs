@@ -40,7 +40,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String
         let first = found.diags.list.into_iter().find(|d| d.severity == Severity::Error);
         first.map(|d| d.title).unwrap_or_default()
     })?;
-    match scene.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
+    match scene.about.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
         Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
         None => bound(&scene).map_err(|why| why.to_string()),
     }

@@ -32,7 +32,7 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
         rate: config.sample_rate,
         channels: config.channels,
     };
-    let (follow, mut player, watch) = link(scene.channels, scene.ratio, who, buffer);
+    let (follow, mut player, watch) = link(scene.counts.channels, scene.rates.ratio, who, buffer);
     let (tell, words) = channel();
     let (counts, called, xruns) = (watch.counts.clone(), watch.counts.clone(), watch.counts.clone());
     let failed = |e: cpal::Error| AudioError::Failed(format!("`{name}` cannot be played: {e}"));
@@ -128,15 +128,16 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamCon
     let Some(most) = configs.iter().map(SupportedStreamConfigRange::channels).max() else {
         return Err(refused("plays no 32-bit floats; a device that converts does, e.g. ALSA's `default`".into()));
     };
-    if scene.channels > most as usize {
-        let why = format!("plays {most} channels, and the model has {} outputs; join some of them", scene.channels);
+    if scene.counts.channels > most as usize {
+        let why =
+            format!("plays {most} channels, and the model has {} outputs; join some of them", scene.counts.channels);
         return Err(refused(why));
     }
-    let wide = configs.iter().filter(|c| c.channels() as usize >= scene.channels);
+    let wide = configs.iter().filter(|c| c.channels() as usize >= scene.counts.channels);
     let plays = |lo: u32, hi: u32| (f64::from(lo)..=f64::from(hi)).contains(&scene.rate) && scene.rate.fract() == 0.0;
     let at_rate = wide.clone().filter(|c| plays(c.min_sample_rate(), c.max_sample_rate()));
     // one channel is heard on both sides
-    let wanted = if scene.channels == 1 { 2 } else { scene.channels };
+    let wanted = if scene.counts.channels == 1 { 2 } else { scene.counts.channels };
     let near = |c: &&SupportedStreamConfigRange| (c.channels() as usize).abs_diff(wanted);
     let Some(config) = at_rate.min_by_key(near) else {
         let mut rates: Vec<_> = wide.map(|c| (c.min_sample_rate(), c.max_sample_rate())).collect();

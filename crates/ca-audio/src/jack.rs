@@ -53,7 +53,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
         return Err(AudioError::Unfit(why));
     }
     // one channel is heard on both sides
-    let wide = if scene.channels == 1 { 2 } else { scene.channels };
+    let wide = if scene.counts.channels == 1 { 2 } else { scene.counts.channels };
     let failed = |e: jack::Error| AudioError::Failed(e.to_string());
     let ports: Vec<Port<AudioOut>> = (0..wide)
         .map(|k| client.register_port(&format!("out_{k}"), AudioOut))
@@ -63,7 +63,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
     let (midi, events) = midi.then(|| midi_in(&client)).transpose().map_err(failed)?.unzip();
     let name = client.name().to_string();
     let who = PlaybackDevice { host: "JACK".into(), device: name.clone(), rate, channels: wide as u16 };
-    let (follow, player, watch) = link(scene.channels, scene.ratio, who, frames);
+    let (follow, player, watch) = link(scene.counts.channels, scene.rates.ratio, who, frames);
     let (tell, words) = channel();
     let counts = watch.counts.clone();
     let process = Process { ports, midi, player, mixed: vec![0.0; MOST * wide] };

@@ -3,7 +3,7 @@
 //! Decides that the order of the passes stands in this one file: a pass knows the network and none of those behind it. What is
 //! asked for besides a scene, its linear part, takes the same way as far as the network goes.
 
-use crate::certify::certify;
+use crate::certify::{beside, certify};
 use crate::connect::{coupling, hands, wire};
 use crate::emit::slow::Slow;
 use crate::emit::{ordering, schedule};
@@ -15,10 +15,7 @@ use crate::options::{KernelClass, Options};
 use crate::passes::slow::SlowPart;
 use crate::passes::{implicit, modal, pefrl, prune, rates, reach, single, slow, solve_order, specialise, waves};
 use alloc::boxed::Box;
-use ca_core::kind::Unit;
-use ca_core::numeric::Precision;
-use ca_core::scene::certificate::Certificate;
-use ca_core::{Catalog, Scene};
+use ca_core::{Catalog, Certificate, Precision, Scene, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
 
@@ -141,7 +138,8 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     solve_order::choose_modes(&mut net);
     let mut certificate = certify(model, &net, options.effort(), &mut diags);
     if let Some((own, part)) = &group {
-        certificate = certificate.beside(certify(model, own, options.effort(), &mut diags), part.compensated);
+        let slow = certify(model, own, options.effort(), &mut diags);
+        certificate = beside(certificate, slow, part.compensated);
     }
     if diags.has_errors() {
         diags.sort();

@@ -2,7 +2,7 @@
 
 use alloc::format;
 use alloc::string::String;
-use ca_core::kind::{Dim, Unit};
+use ca_core::Unit;
 use ca_model::diag::Diag;
 use ca_model::quantity::{self, Quantity, QuantityError};
 use ca_model::{Entry, Item, Span, Value};
@@ -42,7 +42,7 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
     let span = inside(e.span, text, from, to);
     let word = text.get(from..to).unwrap_or("");
     let d = Diag::error("E007", format!("{what}: {}", err.message)).at(span, "not a quantity");
-    let plain = unit.is_some_and(|u| u.dim.same(Dim::NONE));
+    let plain = unit.is_some_and(|u| u.dim.same(Unit::NONE.dim));
     if let (true, "dB", Ok(level)) = (plain, word, text[..from].trim().parse::<f64>()) {
         let factor = libm::round(libm::pow(10.0, level / 20.0) * 1e4) / 1e4;
         return d.help(format!("a plain factor is wanted: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
@@ -65,12 +65,12 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
 
 /// What to write instead of a quantity of the wrong dimension.
 pub fn instead(d: Diag, text: &str, q: &Quantity, unit: Unit, e: &Entry) -> Diag {
-    if unit.dim.same(Dim::NONE) {
+    if unit.dim.same(Unit::NONE.dim) {
         let end = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
         let number = text[..end.map_or(text.len(), |c| c.0)].trim();
         return d.help("write the number without a unit").fix(e.span, number);
     }
-    let turned = [(Dim::FREQUENCY, Dim::TIME), (Dim::TIME, Dim::FREQUENCY)];
+    let turned = [(Unit::HERTZ.dim, Unit::SECOND.dim), (Unit::SECOND.dim, Unit::HERTZ.dim)];
     if q.value > 0.0 && turned.iter().any(|(is, wants)| q.dim.same(*is) && unit.dim.same(*wants)) {
         let other = quantity::show(1.0 / q.value, unit);
         if other.len() < 12 {

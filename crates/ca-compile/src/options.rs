@@ -2,9 +2,9 @@
 
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::cloud::Clouds;
-use ca_core::numeric::Precision;
-use ca_core::scene::Coupling;
+use ca_core::Precision;
+use ca_core::internal::kind::cloud::Clouds;
+use ca_core::internal::scene::Coupling;
 
 /// Which passes run the links.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -77,10 +77,6 @@ impl Class {
         let name = if self == Class::Impedance { "stiffness" } else { self.name() };
         ROWS.iter().find(|r| r.name == name).unwrap_or(&ROWS[0])
     }
-    /// Its rows.
-    pub fn rows(self) -> impl Iterator<Item = &'static Quantity> {
-        ROWS.iter().filter(move |r| r.class() == self)
-    }
     /// The class a word means: the name of a row, or `impedance`.
     pub fn of(word: &str) -> Option<Class> {
         if word == "impedance" { Some(Class::Impedance) } else { row(word).map(Quantity::class) }

@@ -6,7 +6,7 @@
 //! cannot depend on a dimension. Coefficients are an array of fixed size, read column-wise by the kernels, so that a
 //! homogeneous pass vectorises.
 
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 use core::ops::{Add, Mul, Sub};
 
 /// What a linear law is computed in: a number, or a vector of them with a link in each lane.
@@ -53,19 +53,6 @@ impl Bound {
     pub fn h(&self) -> f64 {
         self.k - self.lift + if self.centred { 0.0 } else { 2.0 * self.z }
     }
-
-    /// The part of [`Bound::h`] that the link has wherever its ends are \[N/m\].
-    pub fn certain(&self) -> f64 {
-        // of a curve of friction the slope is one that it has somewhere
-        (if self.curve { self.k } else { self.h() }) - self.loose
-    }
-
-    /// The explicit link that counts as much.
-    #[must_use]
-    pub fn explicit(&self) -> Bound {
-        let z = if self.centred { 0.0 } else { self.z };
-        Bound { k: self.k - self.lift, z, lift: 0.0, centred: false, ..*self }
-    }
 }
 
 /// A law of interaction. `C` coefficients per link, `M` numbers of memory per link.
@@ -98,7 +85,7 @@ pub trait Phi<const C: usize, const M: usize> {
 
     /// Memory at load, for elongation `e`.
     fn start<R: Real>(_c: &[R; C], _e: R) -> [R; M] {
-        [real(0.0); M]
+        [R::ZERO; M]
     }
 
     /// The force \[N\], F > 0 pulls the ends together.
@@ -107,7 +94,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// Potential energy \[J\] at elongation `e`. This, `stored` and `lost` get the memory as the force of the tick left it.
     #[inline(always)]
     fn potential<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: R) -> R {
-        real(0.0)
+        R::ZERO
     }
 
     /// Energy stored between two ticks \[J\] (docs/numerics.md §2.2); linear laws override it with the exact product
@@ -122,7 +109,7 @@ pub trait Phi<const C: usize, const M: usize> {
     /// that tick, which such a law remembers.
     #[inline(always)]
     fn lost<R: Real>(_c: &[R; C], _mem: &[R; M], _tables: &[Table<R>], _e: [R; 3]) -> R {
-        real(0.0)
+        R::ZERO
     }
 
     /// Linear bounds, for the certificate.

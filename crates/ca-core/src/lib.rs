@@ -10,19 +10,20 @@
 //! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
 //!
 //! Where to go:
-//! - to play: [`Scene`], [`State`], [`tick()`]; what a compiled model is and what was proven of it, [`scene`]; parameters
-//!   that change meanwhile, [`live`]; a model in the hand, [`equivalence`]; a mass that is pulled without
-//!   a device, [`mod@pointer`];
-//! - to add a kind: a MAT, [`mat`]; a port, [`io`]; a law, [`phi`] over the functions of [`law`]; its record, the builder
-//!   of a generator and a parameter that is one of several words ([`choice!`]), [`kind`]; what sounds at a pitch,
-//!   [`tuning`]; all of them, [`Catalog`];
-//! - to compile: how stiff links are solved, [`method`]; the rate boundary, [`border`]; the passes and the arrays they
-//!   read, [`op`]; what they write, with the ledger of energy, [`state`]; numbers, tables and solvers, [`numeric`].
+//! - to play: [`Scene`], [`State`], [`tick()`]; parameters that change meanwhile, [`Controls`]; the names of modules, [`Symbols`];
+//!   what was proven of the scene, [`Certificate`]; energy, [`Ledger`]; a model in the hand, [`equivalence`]; a mass that is
+//!   pulled without a device, [`mod@pointer`];
+//! - to compute with another number than `f64`: [`Scene::bind`], [`Real`], [`Dual`];
+//! - to add a law: its functions, [`Phi`]; the law as data, [`Law`]; its record, [`Kind`], with [`Param`] and [`Unit`]; a parameter
+//!   that is one of several words, [`choice!`]; all kinds of a program, [`Catalog`].
+//!
+//! The module `internal`, which this page does not show, has the rest for the other crates of the workspace: passes and the arrays
+//! that they read, methods, the rate boundary, the builder of a generator. No promise is made about it.
 //!
 //! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
 //! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
 //!
-//! A tick computes with a [`numeric::Real`]: `f64`, or the number that a scene is bound to ([`Scene::bind`]), `f32` or a number with
+//! A tick computes with a [`Real`]: `f64`, or the number that a scene is bound to ([`Scene::bind`]), `f32` or a number with
 //! derivatives. Features: `std` (default) finds the widest instructions of the machine at run time; `bytes` writes compiled scenes as
 //! bytes and reads them (`Scene::to_bytes`, `Scene::from_bytes`).
 #![no_std]
@@ -32,27 +33,39 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
-pub mod border;
+mod border;
 mod catalog;
 mod choice;
 pub mod equivalence;
-pub mod io;
-pub mod kind;
-pub mod law;
-pub mod live;
-pub mod mat;
-pub mod method;
-pub mod numeric;
-pub mod op;
+#[doc(hidden)]
+pub mod internal;
+mod io;
+mod kind;
+mod law;
+mod live;
+mod mat;
+mod method;
+mod numeric;
+mod op;
 mod passes;
-pub mod phi;
+mod phi;
 pub mod pointer;
-pub mod scene;
-pub mod state;
+mod scene;
+mod state;
 mod tick;
-pub mod tuning;
+mod tuning;
 
 pub use catalog::{Catalog, SOURCES};
-pub use scene::{ARITHMETIC, Scene};
-pub use state::State;
+pub use kind::name::Name;
+pub use kind::{ABOVE_ZERO, ANY, Dim, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
+pub use law::{Bound, Number, Phi};
+pub use live::{Controls, LiveParam, Patch, Refused};
+pub use numeric::{Dual, Precision, Real, TANGENTS, Table};
+pub use op::{Law, Laws, ParamBinding};
+pub use phi::BETWEEN;
+pub use scene::certificate::{Certificate, Level};
+pub use scene::{ARITHMETIC, Input, InputRole, Location, Scene, Symbol, Symbols, Unbound};
+#[cfg(feature = "bytes")]
+pub use scene::{PLAN_VERSION, Plan, PlanError};
+pub use state::{Balance, Identity, Ledger, NotRestored, State};
 pub use tick::{compute_forces, integrate, process, tick};

@@ -8,7 +8,7 @@
 use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
 use crate::method::implicit::Inertia;
-use crate::numeric::{Plain, Real, inner, outer, real, wide};
+use crate::numeric::{Plain, Real};
 use crate::op::Law;
 use crate::state::{Identity, State};
 use crate::tuning::Scheme;
@@ -220,7 +220,7 @@ impl Controls {
 
     /// The same for a scene over `R`: a value whose coefficients are not finite there is refused.
     #[must_use]
-    pub fn over<R: Real>(self) -> Controls {
+    pub(crate) fn over<R: Real>(self) -> Controls {
         Controls { finite: |v| R::of(v).is_finite(), ..self }
     }
 
@@ -351,7 +351,7 @@ impl Loader {
             }
             Loader::Lia(law) => {
                 out.resize(law.coefs, 0.0);
-                (law.load)(values, tick_dt, out);
+                (law.at_load.load)(values, tick_dt, out);
             }
             Loader::Times(by) => out.push(by * values.first().copied().flatten().unwrap_or(0.0)),
         }
@@ -371,7 +371,7 @@ impl<R: Real> State<R> {
         let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
-            self.ramp(*i as usize, real(*v), ticks);
+            self.ramp(*i as usize, R::Outer::of(*v), ticks);
         }
         true
     }
@@ -380,8 +380,8 @@ impl<R: Real> State<R> {
     pub(crate) fn turn(&mut self, i: usize, v: R, ticks: u32) {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
-        if wide(goal).to_bits() != wide(v).to_bits() {
-            self.ramp(i, outer(v), ticks);
+        if goal.wide().to_bits() != v.wide().to_bits() {
+            self.ramp(i, v.outer(), ticks);
         }
     }
 
@@ -392,7 +392,7 @@ impl<R: Real> State<R> {
             r.moving += 1;
         }
         r.left[i] = ticks;
-        r.target[i] = inner(v);
-        r.step[i] = inner((v - outer(self.coef[r.index[i] as usize])) / real(f64::from(ticks)));
+        r.target[i] = R::inner(v);
+        r.step[i] = R::inner((v - self.coef[r.index[i] as usize].outer()) / R::Outer::of(f64::from(ticks)));
     }
 }

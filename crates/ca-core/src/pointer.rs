@@ -116,11 +116,11 @@ impl Pointer {
         let name = || alloc::format!("{}", symbol.name);
         let (first, axes) = (place as usize, if symbol.axes > 1 { 3 } else { 1 });
         let mine = |p: &u32| (first..first + axes).contains(&(*p as usize));
-        let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+        let ports = scene.layout.ports.enx.iter().chain(&scene.layout.ports.tgr);
         if ports.map(|p| p.mat).any(|p| mine(&p)) {
             return Err(Refused::Port(name()));
         }
-        if scene.layout.modal.iter().any(|m| mine(&m.mat)) {
+        if scene.layout.places.modal.iter().any(|m| mine(&m.mat)) {
             return Err(Refused::Modal(name()));
         }
         if let Some(links) = &scene.layout.implicit {
@@ -128,12 +128,12 @@ impl Pointer {
                 return Err(Refused::Implicit(name()));
             }
         }
-        if let Some(group) = &scene.layout.slow {
+        if let Some(group) = &scene.layout.rates.slow {
             if group.ports.iter().chain(&group.shown).any(|p| mine(&p.at)) {
                 return Err(Refused::Slow(name()));
             }
         }
-        let inertia = 2 * scene.layout.n_mat + first;
+        let inertia = 2 * scene.layout.counts.n_mat + first;
         let masses = scene.initial.coef.get(inertia..inertia + axes).unwrap_or_default();
         // a mass in a plane has no force across it
         if masses.iter().all(|c| *c == 0.0) {
@@ -142,10 +142,10 @@ impl Pointer {
         if scene.oversample() > 1 {
             return Err(Refused::Scheme("several ticks in a sample"));
         }
-        if scene.moves.iter().any(|op| op.name == "kick") {
+        if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
-        let (spring, damper) = coupling(room(&scene.certificate), scene.sample_dt);
+        let (spring, damper) = coupling(room(&scene.certificate), scene.rates.sample_dt);
         if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
@@ -175,7 +175,7 @@ impl Pointer {
     /// Stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.
     pub fn coupling(&self, scene: &Scene, s: &State) -> [f64; 2] {
         let c = s.coef[self.inertia..][..self.axes].iter().copied().fold(0.0, f64::max);
-        [self.spring / c, self.damper / c * scene.sample_dt]
+        [self.spring / c, self.damper / c * scene.rates.sample_dt]
     }
 
     /// Begins where the mass is: with no force, however it moves.
@@ -238,7 +238,7 @@ fn room(c: &Certificate) -> f64 {
         (_, Some(room)) => room,
         _ => 4.0 - c.largest.map_or(c.bound, |l| l.1),
     };
-    let share = (1.0 - c.contact / CONTACT).min(1.0 - c.friction / FRICTION).min(SHARE);
+    let share = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(SHARE);
     share * linear
 }
 
@@ -259,10 +259,11 @@ fn reach(scene: &Scene) -> f64 {
     let places = s.x.iter().map(|x| x.abs());
     let thrown = s.d.iter().map(|d| d.abs() * scene.rate * THROW);
     let driven = scene
+        .about
         .gestures
         .iter()
         .filter(|(name, _)| scene.inputs.iter().any(|i| i.name == *name && i.role != InputRole::Force));
     let driven = driven.flat_map(|(_, points)| points.iter().map(|p| p[1].abs()));
-    let lengths = scene.layout.reach.iter().map(|r| libm::sqrt(r[..3].iter().map(|v| *v * *v).sum()));
+    let lengths = scene.layout.links.reach.iter().map(|r| libm::sqrt(r[..3].iter().map(|v| *v * *v).sum()));
     places.chain(thrown).chain(driven).chain(lengths).filter(|v| v.is_finite()).fold(REACH, f64::max)
 }

@@ -49,7 +49,7 @@ pub fn integrate<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
 /// Where the length of an array of the state was changed.
 #[must_use = "false means that nothing was played"]
 pub fn process<R: Real>(scene: &Scene<R>, s: &mut State<R>, out: &mut [R::Outer]) -> bool {
-    let row = scene.n_out.max(1);
+    let row = scene.counts.n_out.max(1);
     if s.scene != scene.identity() || !out.len().is_multiple_of(row) {
         return false;
     }
@@ -74,20 +74,21 @@ fn own<R: Real>(scene: &Scene<R>, s: &State<R>) {
 #[cold]
 #[inline(never)]
 fn foreign<R: Real>(scene: &Scene<R>) -> ! {
-    panic!("the state is not of the scene `{}`: make it by `scene.state()` of the scene that is played", scene.title)
+    let title = &scene.about.title;
+    panic!("the state is not of the scene `{title}`: make it by `scene.state()` of the scene that is played")
 }
 
 #[inline]
 fn forces<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     // list by list: one iterator over all asks at each pass which list it is in
-    for list in [&scene.reads[..], scene.summed(), &scene.writes] {
+    for list in [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes] {
         run(list, scene, s);
     }
 }
 
 #[inline]
 fn motion<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
-    run(&scene.moves, scene, s);
+    run(&scene.passes.moves, scene, s);
     s.tick += 1;
 }
 

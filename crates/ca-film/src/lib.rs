@@ -73,7 +73,7 @@ impl TakeFilm {
                 self.x[*to as usize] = engine.state.x[*from as usize];
             }
         }
-        self.film.look(engine.state.tick as f64 * engine.scene.sample_dt, &self.x);
+        self.film.look(engine.state.tick as f64 * engine.scene.rates.sample_dt, &self.x);
         first
     }
 }
@@ -91,17 +91,17 @@ pub fn scene(
     let performance = Performance::new(scene, gesture)?;
     let length = play::Length::of(&performance, seconds);
     let (seconds, frames) = (play::seconds(&performance, seconds), length.frames);
-    let (mut film, mut sound) = (Film::new(scene, seconds), Sound::new(scene.rate, &scene.channel_names));
+    let (mut film, mut sound) = (Film::new(scene, seconds), Sound::new(scene.rate, &scene.names.channel_names));
     let block = ((scene.rate / PICTURES).max(1.0) as u64).min(BLOCK);
     let played = play::play(performance, length, block, &mut |p, rows, done| {
-        for row in rows.chunks_exact(scene.n_out.max(1)) {
-            sound.push(&row[..scene.channels]);
+        for row in rows.chunks_exact(scene.counts.n_out.max(1)) {
+            sound.push(&row[..scene.counts.channels]);
         }
-        film.look(p.state.tick as f64 * scene.sample_dt, &p.state.x);
+        film.look(p.state.tick as f64 * scene.rates.sample_dt, &p.state.x);
         if goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     })?;
     let seconds = play::lasted(scene, &played, frames, seconds);
-    page(&scene.title, &format!("{seconds} s, played by ca {}", env!("CARGO_PKG_VERSION")), &film, sound)
+    page(&scene.about.title, &format!("{seconds} s, played by ca {}", env!("CARGO_PKG_VERSION")), &film, sound)
 }
 
 /// The page of a take, played again.

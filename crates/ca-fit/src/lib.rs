@@ -198,7 +198,7 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
     if scene.channels == 0 {
         return Err(Failure::Failed("the model has no output to compare; add a `[SOX]`".into()));
     }
-    let target = Target::of(recording, scene.channels, ask.seconds)?;
+    let target = Target::of(recording, scene.counts.channels, ask.seconds)?;
     let channels = target.samples.len();
     let goes_on: &mut dyn FnMut(u32, u32) -> bool = &mut *ask.progress;
     let play = (recording.rate, channels, ask.renders);

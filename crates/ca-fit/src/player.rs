@@ -85,7 +85,7 @@ impl<'a> Player<'a> {
         let loaded = self.model(places)?;
         let Ok(scene) = loaded.compile(&self.options(&loaded)) else { return Ok(None) };
         let performance = Performance::new(&scene, self.gesture)?;
-        let (channels, n_out) = (scene.channels, scene.n_out);
+        let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
         let mut heard: Samples = vec![Vec::with_capacity(self.frames as usize); channels];
         let played = play::play(performance, self.frames, BLOCK, &mut |_, rows, _| {
             for row in rows.chunks_exact(n_out.max(1)) {

@@ -41,7 +41,7 @@ fn model(text: &str, values: &[(&str, f64)]) -> Loaded {
 fn recorded(loaded: &Loaded, seconds: f64) -> Recording {
     let scene = loaded.compile(&Options { rate: Some(RATE), ..Options::default() }).unwrap().scene;
     let mut p = Performance::new(&scene, None).unwrap();
-    let mut channels = vec![Vec::new(); scene.channels];
+    let mut channels = vec![Vec::new(); scene.counts.channels];
     for _ in 0..(seconds * RATE) as usize {
         p.tick();
         // as a file keeps it

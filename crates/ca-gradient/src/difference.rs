@@ -5,8 +5,8 @@
 //! is closed at load on one side only) agrees at no step and is refused.
 
 use crate::{Error, Parameter};
-use ca_core::Scene;
-use ca_core::state::Identity;
+use ca_core::internal::scene;
+use ca_core::{Identity, Scene};
 use std::ops::Range;
 
 /// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
@@ -50,17 +50,23 @@ impl Start {
     /// The structure of a scene; its numbers are 0 afterwards.
     pub fn of(scene: &mut Scene) -> Start {
         let mut numbers = Vec::new();
-        scene.numbers(&mut |v| numbers.push(*v));
-        // as `Scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
+        scene::numbers(scene, &mut |v| numbers.push(*v));
+        // as `scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
         let l = &scene.layout;
-        let lengths = [4 * l.reach.len(), l.e0.len(), l.rest.len(), l.shares.len(), l.couplings.len()];
+        let lengths = [
+            4 * l.links.reach.len(),
+            l.links.e0.len(),
+            l.places.rest.len(),
+            l.places.shares.len(),
+            l.places.couplings.len(),
+        ];
         let mut first = 0;
         let alike = lengths.map(|n| {
             first += n;
             first - n..first
         });
-        let gestures = std::mem::take(&mut scene.gestures);
-        Start { alike: alike.to_vec(), structure: scene.structure(), numbers, gestures }
+        let gestures = std::mem::take(&mut scene.about.gestures);
+        Start { alike: alike.to_vec(), structure: scene::structure(scene), numbers, gestures }
     }
 
     /// True where all numbers lie on lines through what they are, but for rounding: of one step and of two, up and down.

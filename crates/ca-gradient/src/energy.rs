@@ -1,6 +1,6 @@
 //! Energy: the accounts of energy of a scene, with their derivatives, at some instants.
 //!
-//! This is the ledger of the tick itself over dual numbers ([`ca_core::state::Ledger`], whose accounts carry derivatives in
+//! This is the ledger of the tick itself over dual numbers ([`ca_core::Ledger`], whose accounts carry derivatives in
 //! that build): what a law stores and loses is written once, for the ledger of a render and for this. The identity of the ledger
 //! holds for each derivative as for the accounts, `h = h0 + work − lost + scheme_error + changed + residual`, with a residual
 //! that is rounding. A type beside [`Forward`], not a call of it: the scene is another one, whose passes keep the ledger, so that
@@ -9,12 +9,11 @@
 
 use crate::played::{Played, diverged, zeros};
 use crate::{Error, Forward, GoesOn, Parameter};
-use ca_core::numeric::{Dual, TANGENTS};
-use ca_core::state::Balance;
+use ca_core::{Balance, Dual, TANGENTS};
 use ca_io::gesture::Gesture;
 use cordis_anima::{Loaded, Options};
 
-/// The accounts, in the order of [`EnergyTangents::values`], by their names in [`ca_core::state::Balance`]: energy at load, energy
+/// The accounts, in the order of [`EnergyTangents::values`], by their names in [`ca_core::Balance`]: energy at load, energy
 /// now, heat, error of the scheme, work received from ports, received by changes, and what these do not explain \[J\].
 pub const ACCOUNTS: [&str; 7] = ["h0", "h", "lost", "scheme_error", "work", "changed", "residual"];
 

@@ -148,7 +148,7 @@ impl Forward {
             tangent: None,
         };
         let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
-        if scene.slow.is_some() {
+        if scene.rates.slow.is_some() {
             let what = "no derivatives of this scene: groups at the gesture rate are not differentiated; leave out `rate = \"gesture\"` of the group";
             return Err(Error::refused(what));
         }
@@ -167,12 +167,12 @@ impl Forward {
 
     /// The time of a tick \[s\].
     pub(crate) fn sample_dt(&self) -> f64 {
-        self.plain.sample_dt
+        self.plain.rates.sample_dt
     }
 
     /// How many numbers a sample has: the sound channels, then the probes.
     pub fn outputs(&self) -> usize {
-        self.plain.n_out
+        self.plain.counts.n_out
     }
 
     /// By what is differentiated.
@@ -192,12 +192,12 @@ impl Forward {
         goes_on: GoesOn,
     ) -> Result<Tangents, Error> {
         let played = Played::new(&self.plain, seconds, gesture, goes_on)?;
-        let (frames, outputs, n) = (played.frames, self.plain.n_out, self.parameters.len());
+        let (frames, outputs, n) = (played.frames, self.plain.counts.n_out, self.parameters.len());
         let mut to = Tangents {
             rate: self.plain.rate,
             frames,
             outputs,
-            channels: self.plain.channels,
+            channels: self.plain.counts.channels,
             parameters: self.parameters.clone(),
             output: zeros(frames, outputs, 1)?,
             tangents: zeros(frames, outputs, n)?,
@@ -234,7 +234,7 @@ impl Forward {
     /// # Errors
     /// As [`Forward::tangents`], and where the cotangent has no whole rows.
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        let outputs = self.plain.n_out.max(1);
+        let outputs = self.plain.counts.n_out.max(1);
         let seconds = frames_of(cotangent, outputs)? as f64 / self.plain.rate;
         let played = Played::new(&self.plain, Some(seconds), gesture, goes_on)?;
         let n = self.parameters.len();
@@ -276,7 +276,7 @@ impl Forward {
         let mut scene = over_dual(&self.compiled(&self.model).map_err(Error::Refused)?)?;
         let columns = &self.derivatives[some];
         let mut i = 0;
-        scene.numbers(&mut |v: &mut Dual| {
+        scene::numbers(&mut scene, &mut |v: &mut Dual| {
             for (t, all) in v.tangents_mut().iter_mut().zip(columns) {
                 *t = all[i];
             }

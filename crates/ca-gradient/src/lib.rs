@@ -8,7 +8,7 @@
 //! Decides for derivatives in two parts, of which neither is written by hand. What the *compiler* makes of a parameter
 //! (coefficients, lengths, the start) is had by differences of the eighth order between scenes compiled around its value: these
 //! are smooth functions, computed to their last digits, so that the differences are exact to 1e-12 or so. What the *ticks*
-//! make of it is had by ticks over dual numbers ([`Dual`](ca_core::numeric::Dual)): the same laws, passes and methods, whose numbers carry seven
+//! make of it is had by ticks over dual numbers ([`Dual`](ca_core::Dual)): the same laws, passes and methods, whose numbers carry seven
 //! derivatives each. Against differences of whole renders, which lose half of all digits to chaos and rounding, and take two renders
 //! for each parameter; and against a tape, which would keep every operation.
 //!

@@ -5,8 +5,7 @@
 //! that is the name of a `[param]`, or a multiple of one, is moved there alone; whoever means all places names that.
 
 use crate::Error;
-use ca_core::Catalog;
-use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_core::{Catalog, Kind, Need, Param, Type, Unit};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Value, quantity};
 
@@ -178,7 +177,7 @@ fn number(model: &Model, value: &Value, unit: Option<Unit>) -> Option<(f64, Stri
             }) {
                 return Some((v, unit));
             }
-            if let Some(f) = quantity::note(t).filter(|_| unit.is_none_or(|u| u.dim.same(Dim::FREQUENCY))) {
+            if let Some(f) = quantity::note(t).filter(|_| unit.is_none_or(|u| u.dim.same(Unit::HERTZ.dim))) {
                 return Some((f, "Hz".into()));
             }
             let q = quantity::parse(t).ok()?;

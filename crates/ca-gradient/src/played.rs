@@ -69,7 +69,7 @@ pub(crate) fn output(
 ) -> Result<Vec<f64>, Error> {
     let p = Performance::new(scene, gesture)?;
     let frames = perform::frames(scene, perform::seconds(&p, seconds));
-    let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.n_out, 1)?;
+    let mut all = zeros(usize::try_from(frames).unwrap_or(usize::MAX), scene.counts.n_out, 1)?;
     all.clear();
     let mut silent = false;
     play(p, frames, BLOCK, &mut |p, rows, _| {

@@ -3,7 +3,7 @@
 //! [`needed`] compares the stiffness that each key presents to the hand at most with what the device holds, when a scene meets
 //! its devices. A key that the device can hold stays as it is and costs nothing. Before a stiffer one stand a spring and a damper
 //! (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and the scene is compiled once more
-//! ([`ca_core::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
+//! ([`ca_core::internal::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
 //!
 //! With its own friction b a device stays passive up to K ≤ b/(κT), with each force a frame later than it is computed, because
 //! real devices take it then (docs/numerics.md §5.2). A key is softened above nine tenths of that, or above the stiffness of the
@@ -23,10 +23,10 @@
 use crate::engine::{Setup, coupled, is_slower};
 use crate::profile::Profile;
 use ca_compile::{Compiled, Options};
-use ca_core::border::{Delays, delays};
-use ca_core::scene::Coupling;
-use ca_core::scene::certificate::{Key, Level};
-use ca_core::{Scene, compute_forces};
+use ca_core::internal::border::{Delays, delays};
+use ca_core::internal::scene::Coupling;
+use ca_core::internal::scene::certificate::Key;
+use ca_core::{Level, Scene, compute_forces};
 use ca_model::quantity::{show, six};
 use core::fmt;
 use std::collections::BTreeMap;
@@ -68,7 +68,7 @@ pub struct Held {
 impl Held {
     /// By a device of this profile, of this scene.
     pub fn new(scene: &Scene, profile: &Profile) -> Held {
-        let rate = scene.rate / f64::from(scene.ratio);
+        let rate = scene.rate / f64::from(scene.rates.ratio);
         // a slower device holds each force for longer
         let longer = (rate / profile.rate).max(1.0);
         let own = delays(scene);
@@ -102,7 +102,7 @@ impl Presented {
     /// Device port number `t` of the scene, moved over the range of its device, with everything behind it at rest.
     pub fn new(scene: &Scene, t: usize, profile: &Profile) -> Presented {
         let range = profile.range;
-        let port = scene.tgr[t];
+        let port = scene.ports.tgr[t];
         let input = &scene.inputs[port.input as usize];
         let (gains, at) = (input.gains, port.mat as usize);
         let key = key(scene, at);
@@ -114,7 +114,7 @@ impl Presented {
             compute_forces(scene, &mut s);
             gains.beta * s.f[at]
         };
-        let steps = (MOST / (scene.n_mat + scene.n_lia).max(1)).clamp(20, STEPS);
+        let steps = (MOST / (scene.counts.n_mat + scene.counts.n_lia).max(1)).clamp(20, STEPS);
         let span = range[1] - range[0];
         let places = (0..=steps).map(|i| range[0] + span * i as f64 / steps as f64);
         let travel: Vec<[f64; 2]> = places.map(|x| [x, force_at(x)]).collect();
@@ -165,7 +165,7 @@ pub struct Softened {
 impl fmt::Display for Softened {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Softened { device, presents, rigid, felt, coupling } = self;
-        let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::kind::Unit::STIFFNESS));
+        let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::Unit::STIFFNESS));
         let is = if *rigid {
             "is held by friction that sticks or by a strong damper".into()
         } else {
@@ -201,7 +201,7 @@ pub struct TooStiff {
 /// The couplings that an uncoupled scene needs before these devices.
 pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
     let mut all = Needed::default();
-    if scene.crossing.feedback {
+    if scene.ports.crossing.feedback {
         for setup in setups {
             of_device(scene, setup, &mut all);
         }
@@ -221,7 +221,7 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     // ports by the MAT they move, whose axes share a coupling
     let mut mats: BTreeMap<String, Moved> = BTreeMap::new();
     let mut sums: BTreeMap<u32, f64> = BTreeMap::new();
-    for (t, port) in scene.tgr.iter().enumerate() {
+    for (t, port) in scene.ports.tgr.iter().enumerate() {
         let input = &scene.inputs[port.input as usize];
         let Some((_, dof)) = input.device.as_ref().filter(|d| d.0 == setup.device && d.1 < p.dof) else { continue };
         let presented = Presented::new(scene, t, p);
@@ -237,7 +237,7 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
             *sums.entry(*d).or_default() += moved.counts(kept);
         }
     }
-    let tick_dt = scene.sample_dt / f64::from(scene.oversample());
+    let tick_dt = scene.rates.sample_dt / f64::from(scene.oversample());
     for (port, moved) in mats {
         let k = moved.counts(kept);
         // ports of one degree of freedom share what it holds
@@ -284,7 +284,7 @@ impl Moved {
 
 /// The first key that is stiffer than this device holds, and the stiffness that is felt \[N/m\], with the couplings of the scene.
 pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
-    if !scene.crossing.feedback || !setup.profile.guard.coupling {
+    if !scene.ports.crossing.feedback || !setup.profile.guard.coupling {
         return None;
     }
     let profile = &setup.profile;
@@ -292,11 +292,11 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     let known = coupled(scene, &setup.device);
     let soft = |name: &str| known.iter().find(|c| c.0 == name).map(|c| c.1);
     let mine = |t: &usize| {
-        let input = &scene.inputs[scene.tgr[*t].input as usize];
+        let input = &scene.inputs[scene.ports.tgr[*t].input as usize];
         input.device.as_ref().is_some_and(|d| d.0 == setup.device)
     };
-    (0..scene.tgr.len()).filter(mine).find_map(|t| {
-        let name = scene.mat_name(scene.tgr[t].mat as usize).into_owned();
+    (0..scene.ports.tgr.len()).filter(mine).find_map(|t| {
+        let name = scene.mat_name(scene.ports.tgr[t].mat as usize).into_owned();
         let presented = Presented::new(scene, t, profile);
         let rigid = presented.is_rigid(profile.body.friction);
         let k = soft(&name).unwrap_or_else(|| if rigid { f64::INFINITY } else { presented.k() });

@@ -7,7 +7,7 @@ use crate::engine::{OwnGesture, Retired, Swap, Touched};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
-use ca_core::state::Balance;
+use ca_core::Balance;
 
 /// One thing that happened. `tick` is the sound sample before which it took effect.
 // frames are the many, boxes the few: a ring of values of one size is what the real-time thread can write

@@ -3,8 +3,7 @@
 //! Decides that it holds the model as its author wrote it and the changes made to it, as the header of a take does; what was
 //! asked of the compiler stays as at the start, but for the bodies that the model reads from files.
 
-use ca_core::live::Controls;
-use ca_core::{Scene, State};
+use ca_core::{Controls, Scene, State};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -27,7 +26,7 @@ pub struct ModelText {
 mod text {
     use super::ModelText;
     use ca_core::Catalog;
-    use ca_core::kind::cloud::Unread;
+    use ca_core::internal::kind::cloud::Unread;
     use ca_model::diag::Diags;
     use ca_model::{Model, read, write};
 

@@ -6,7 +6,7 @@
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
 use crate::sound::{Format, Level, Written, integer};
-use ca_core::numeric::Plain;
+use ca_core::internal::numeric::Plain;
 use flac_codec::Error;
 use flac_codec::encode::{FlacSampleWriter, Options};
 use std::fs::File;

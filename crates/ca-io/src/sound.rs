@@ -19,7 +19,7 @@
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
 use crate::wav_header;
-use ca_core::numeric::Plain;
+use ca_core::internal::numeric::Plain;
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};

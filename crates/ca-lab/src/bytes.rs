@@ -6,7 +6,7 @@
 
 use crate::load::Loaded;
 use crate::{Failure, Found};
-use ca_core::kind::cloud::{Cloud, Clouds, Unread};
+use ca_core::internal::kind::cloud::{Cloud, Clouds, Unread};
 use ca_model::Model;
 use ca_model::diag::Diags;
 use ca_model::{read, write};

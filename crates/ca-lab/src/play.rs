@@ -1,8 +1,6 @@
 //! A play by [`ca_io::play`] and its judgement: its ledger, the cause of its divergence, the time that it lasted.
 
-use ca_core::Scene;
-use ca_core::live::LiveParam;
-use ca_core::state::{Balance, Ledger};
+use ca_core::{Balance, Ledger, LiveParam, Scene};
 use ca_io::gesture::Gesture;
 pub use ca_io::length::Length;
 use ca_io::perform::{DIVERGED, Performance};
@@ -37,7 +35,7 @@ const LOOK: u64 = 64;
 
 /// Plays the first half second once more with the ledger kept, up to the last tick before any divergence.
 pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
-    let afford = AUDITED / (audited.n_mat + audited.n_lia).max(1) as u64;
+    let afford = AUDITED / (audited.counts.n_mat + audited.counts.n_lia).max(1) as u64;
     let ticks = frames.min((SECONDS * audited.rate) as u64).min(afford).max(1);
     let bounded = |look: u64| {
         let mut p = Performance::new(audited, gesture).ok()?;
@@ -70,7 +68,7 @@ impl Divergence {
     /// What is to blame, where `played` diverged; `audited` is its scene, with the ledger kept if there is one,
     /// `findings` those of the compiler.
     pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Divergence> {
-        let time = played.diverged_at? as f64 * audited.sample_dt;
+        let time = played.diverged_at? as f64 * audited.rates.sample_dt;
         let (module, why) = played.performance.blame(Some(audited), gesture);
         Some(Divergence { time, fix: fix(findings, &module), module, why })
     }
@@ -95,7 +93,7 @@ fn fix(findings: &Diags, module: &str) -> Option<String> {
 
 /// The time that it was played \[s\]: `seconds`, or less, to the millisecond, if fewer than `frames` were played.
 pub fn lasted(scene: &Scene, played: &Played, frames: u64, seconds: f64) -> f64 {
-    if played.frames < frames { (played.frames as f64 * scene.sample_dt * 1e3).round() / 1e3 } else { seconds }
+    if played.frames < frames { (played.frames as f64 * scene.rates.sample_dt * 1e3).round() / 1e3 } else { seconds }
 }
 
 /// What to say of each live parameter that stayed at the end of its range, since its gesture went beyond.

@@ -5,14 +5,13 @@
 //! it turns, what is left of the motion after a tick is of the second order, and so is the heat of what sticks. Alone on its places: no law
 //! is solved together with others over four ends, and the compiler refuses what shares a mass.
 
-use ca_core::State;
-use ca_core::method::coulomb::{self, MEM, hold};
-use ca_core::method::{free_motion, mobility};
-use ca_core::numeric::{Real, real};
-use ca_core::op::layout::Layout;
-use ca_core::op::links::measure::{Elongation, Line, Measure, Radial};
-use ca_core::op::{Form, Kernel, Law, LawEntry, LawFns, MeasureKind, Op, SolveStage};
-use ca_core::phi;
+use ca_core::internal::method::coulomb::{self, MEM, hold};
+use ca_core::internal::method::{free_motion, mobility};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::links::measure::{Elongation, Line, Measure, Radial};
+use ca_core::internal::op::{Form, Kernel, LawEntry, LawFns, MeasureKind, Op, SolveStage};
+use ca_core::internal::phi;
+use ca_core::{Law, Real, State};
 
 /// With `curve = "coulomb"` and `method = "set-valued"`.
 pub static LAW: Law = Law {
@@ -40,21 +39,21 @@ fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut 
     let Some((_, onto, far)) = op.ports.onto else { return };
     for i in 0..op.n {
         let [most, sliding]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let (first, second) = (layout.ends[op.first + i], layout.onto[onto + i]);
+        let (first, second) = (layout.links.ends[op.first + i], layout.links.onto[onto + i]);
         let (first, second) = (first.map(|m| m as usize), second.map(|m| m as usize));
         let a = Port::of::<A>(layout, s, first, op.ports.reach + i);
         let b = Port::of::<B>(layout, s, second, far + i);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != R::of(0.0);
+        let stuck = s.links.mem[mem] != R::of(0.0);
         let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
         // what stuck has no motion but that of rounding, and of a port that turned
-        let (force, sticks) = hold([most, sliding], [if stuck { real(0.0) } else { w }, r], c, stuck);
+        let (force, sticks) = hold([most, sliding], [if stuck { R::ZERO } else { w }, r], c, stuck);
         A::pull(&mut s.f, first, &a.measured, force);
         B::pull(&mut s.f, second, &b.measured, force);
-        s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
-        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
+        s.links.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
+        s.links.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
@@ -72,10 +71,10 @@ struct Port<R: Real> {
 
 impl<R: Real> Port<R> {
     fn of<G: Measure>(layout: &Layout<R>, s: &State<R>, ends: [usize; 2], reach: usize) -> Port<R> {
-        let reach = if G::SPACE { &layout.reach[reach] } else { &[real(0.0); 4] };
+        let reach = if G::SPACE { &layout.links.reach[reach] } else { &[R::ZERO; 4] };
         let measured = G::measure(&s.x, &s.d, ends, reach);
         let gradient: [R; 3] = measured.gradient().into();
-        let [mut moves, mut free, mut c] = [real(0.0); 3];
+        let [mut moves, mut free, mut c] = [R::ZERO; 3];
         for (k, g) in gradient[..if G::SPACE { 3 } else { 1 }].iter().enumerate() {
             let [p, q] = ends.map(|m| m + k);
             moves += *g * (s.d[q] - s.d[p]);

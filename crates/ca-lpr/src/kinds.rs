@@ -5,10 +5,9 @@
 
 use crate::laws;
 use crate::params::{BOW, PAGE, count, params};
-use ca_core::kind::{Kind, Param, Role};
-use ca_core::numeric::Real;
-use ca_core::op::LawEntry;
-use ca_core::phi;
+use ca_core::internal::op::LawEntry;
+use ca_core::internal::phi;
+use ca_core::{Kind, Param, Real, Role};
 
 /// All kinds of this crate, in the order of the documentation.
 pub const KINDS: &[&Kind] = &{

@@ -7,20 +7,20 @@
 
 use crate::op::kernel;
 use crate::{dry, kinds, params};
-use ca_core::kind::Type;
-use ca_core::law::Phi;
-use ca_core::numeric::Real;
-use ca_core::op::{Law, LawEntry, LawFns};
-use ca_core::phi;
+use ca_core::internal::op::{Cheaper, LawEntry, LawFns};
+use ca_core::internal::phi;
+use ca_core::{Law, Phi, Real, Type};
 
-/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::law::Phi), its cheaper laws here; and the list of pairs.
+/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::Phi), its cheaper laws here; and the list of pairs.
 macro_rules! laws {
     ($($name:ident $code:literal $of:path, $phi:ty $(: $($variant:ident)+)?;)*) => {
         $(
             pub static $name: Law = Law {
                 code: $code,
-                simpler: |p| quadripole(($of.simpler)(p)?),
-                variants: &[$($(&$variant),+)?],
+                cheaper: Cheaper {
+                    simpler: |p| quadripole(($of.cheaper.simpler)(p)?),
+                    variants: &[$($(&$variant),+)?],
+                },
                 fns: LawFns { kernel: kernel::<f64, $phi, _, _>, ..$of.fns },
                 ..$of
             };
@@ -57,23 +57,25 @@ laws! {
 pub static BOW: Law = Law {
     code: "LPR_BOW smooth",
     fns: LawFns { kernel: kernel::<f64, phi::bow::Smooth, _, _>, ..phi::bow::SMOOTH.fns },
-    simpler: |p| {
-        let position = |name: &str| params::BOW.iter().position(|p| p.name == name);
-        let is = |name: &str, word: &str| {
-            let at = position(name)?;
-            let (Type::Choice(words), Some(v)) = (params::BOW[at].ty, p.get(at)?.number()) else {
-                return None;
+    cheaper: Cheaper {
+        simpler: |p| {
+            let position = |name: &str| params::BOW.iter().position(|p| p.name == name);
+            let is = |name: &str, word: &str| {
+                let at = position(name)?;
+                let (Type::Choice(words), Some(v)) = (params::BOW[at].ty, p.get(at)?.number()) else {
+                    return None;
+                };
+                Some(words.get(v as usize) == Some(&word))
             };
-            Some(words.get(v as usize) == Some(&word))
-        };
-        if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
-            return Some(&dry::LAW);
-        }
-        // the law of the core would take the method for one of its own
-        let method = position("method")?;
-        quadripole((phi::bow::SMOOTH.simpler)(p.get(..method)?)?)
+            if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
+                return Some(&dry::LAW);
+            }
+            // the law of the core would take the method for one of its own
+            let method = position("method")?;
+            quadripole((phi::bow::SMOOTH.cheaper.simpler)(p.get(..method)?)?)
+        },
+        variants: &[&PIECEWISE, &COULOMB, &TABLE, &dry::LAW],
     },
-    variants: &[&PIECEWISE, &COULOMB, &TABLE, &dry::LAW],
     ..phi::bow::SMOOTH
 };
 

@@ -1,4 +1,4 @@
-//! LPR, radial projection links: the laws of [`ca_core::phi`] over the sum of two elongations, with one force at both.
+//! LPR, radial projection links: the laws of `ca-core` over the sum of two elongations, with one force at both.
 //!
 //! ```text
 //!    between (a world in space)          onto (another world, on a line)
@@ -12,7 +12,7 @@
 //! gradient of e spans both worlds, so what leaves one arrives in the other and nothing is created, whatever the law.
 //! Flying and turning do not change a distance and are not heard.
 //!
-//! What is not here: laws, which are in [`ca_core::phi`]. To give a law its LPR, begin at [`KINDS`].
+//! The laws are in `ca-core`. To give a law its LPR, begin at [`KINDS`].
 //!
 //! Decides that an LPR is a form of a law and no law of its own ([`mod@op`]): every law of the core has one, with its
 //! parameters, its bounds and its energy. The kinds are `LPR` (spring and damper, as the REF) and `LPR_` with the code

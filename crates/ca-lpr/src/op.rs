@@ -9,16 +9,14 @@
 //! At zero length a port in space has no direction and pulls nothing, while the law and the other port go on
 //! (docs/numerics.md §4.4); `soften` keeps the direction where ends pass through each other.
 
-use ca_core::State;
-use ca_core::law::Phi;
-use ca_core::numeric::{Real, real};
-use ca_core::op::layout::Layout;
-use ca_core::op::links::measure::{Line, Measure, Radial};
-use ca_core::op::{Form, Kernel, MeasureKind, Op};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::links::measure::{Line, Measure, Radial};
+use ca_core::internal::op::{Form, Kernel, MeasureKind, Op};
+use ca_core::{Phi, Real, State};
 
 /// What a port on a line needs beside its ends.
 fn nowhere<R: Real>() -> [R; 4] {
-    [real(0.0); 4]
+    [R::ZERO; 4]
 }
 
 /// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
@@ -29,18 +27,18 @@ pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const 
 ) {
     let n = op.n;
     let Some((_, onto, far)) = op.ports.onto else { return };
-    let (between, onto) = (&layout.ends[op.first..][..n], &layout.onto[onto..][..n]);
-    let (near_length, far_length, lengths) = (op.ports.reach, far, &mut s.lengths[..]);
+    let (between, onto) = (&layout.links.ends[op.first..][..n], &layout.links.onto[onto..][..n]);
+    let (near_length, far_length, lengths) = (op.ports.reach, far, &mut s.links.lengths[..]);
     let (near, far) = (reach::<R, A>(layout, op.ports.reach, n), reach::<R, B>(layout, far, n));
-    let e0 = &layout.e0[op.first..][..n];
+    let e0 = &layout.links.e0[op.first..][..n];
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
-    let mem = &mut s.mem[op.mem..][..n * M];
+    let mem = &mut s.links.mem[op.mem..][..n * M];
     let nowhere = nowhere();
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
         // a port on a line keeps no length
-        let mut none = real(0.0);
+        let mut none = R::ZERO;
         let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
         let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &nowhere }, last);
         let last = if B::SPACE { &mut lengths[far_length + i] } else { &mut none };
@@ -51,14 +49,14 @@ pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const 
         A::pull(f, first, &a, force);
         B::pull(f, second, &b, force);
         if TAP {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
 
 /// What ports in space need beside their ends; a line needs nothing and has no entries.
 fn reach<R: Real, G: Measure>(layout: &Layout<R>, first: usize, n: usize) -> &[[R; 4]] {
-    if G::SPACE { &layout.reach[first..][..n] } else { &[] }
+    if G::SPACE { &layout.links.reach[first..][..n] } else { &[] }
 }
 
 /// The kernel of a law for one form of a quadripole. The compiler puts a port in space first, and an LPR has no

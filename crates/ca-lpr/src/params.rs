@@ -5,8 +5,8 @@
 //! only LPR_BOW has one; what is added is `onto`, behind the others, since a law knows its parameters by number. They stand
 //! here and not with the kinds, since the law of LPR_BOW looks up its own, and a kind holds its law.
 
-use ca_core::kind::{Kind, Need, Param, Type};
-use ca_core::phi;
+use ca_core::internal::phi;
+use ca_core::{Kind, Need, Param, Type};
 
 /// What every LPR is, behind what its law is.
 pub const PAGE: &str = " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \

@@ -1,7 +1,7 @@
 //! The LPR of a law that needs no words of its own: code, title, page and example made from the record of the law.
 //!
 //! Decides that a law of the core gets its quadripole by one line of [`quadripoles!`]: what differs from law to law is its
-//! [`Phi`](ca_core::law::Phi), since a kernel is made for a type, and a function pointer of the record would cost a call
+//! [`Phi`](ca_core::Phi), since a kernel is made for a type, and a function pointer of the record would cost a call
 //! for each link and tick. All else is text that is put together at compile time. The example is a ball that meets two
 //! cells on a line, by the numbers that the law's own example has; where it does not sound, or a law deserves a better
 //! page, `kind!` of [`crate::kinds`] takes words of its own.
@@ -86,14 +86,16 @@ macro_rules! quadripoles {
     ($($file:ident: $phi:ident;)*) => {
         $(
             mod $file {
-                use ca_core::kind::{Kind, Param, Role};
-                use ca_core::op::{Law, LawFns};
-                use ca_core::phi::$file as law;
+                use ca_core::internal::op::{Cheaper, LawFns};
+                use ca_core::internal::phi::$file as law;
+                use ca_core::{Kind, Law, Param, Role};
 
                 pub static LAW: Law = Law {
                     code: text!("LPR_", law::KIND.code),
-                    simpler: |p| $crate::laws::quadripole((law::LAW.simpler)(p)?),
-                    variants: &[],
+                    cheaper: Cheaper {
+                        simpler: |p| $crate::laws::quadripole((law::LAW.cheaper.simpler)(p)?),
+                        variants: &[],
+                    },
                     fns: LawFns { kernel: $crate::op::kernel::<f64, law::$phi, _, _>, ..law::LAW.fns },
                     ..law::LAW
                 };

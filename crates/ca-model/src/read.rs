@@ -11,7 +11,7 @@ use super::text::file::one_file;
 use alloc::format;
 use alloc::string::String;
 use ca_core::Catalog;
-use ca_core::kind::cloud::Unread;
+use ca_core::internal::kind::cloud::Unread;
 
 /// Reads the text of a model. `file` is its name in reports.
 ///

@@ -10,10 +10,9 @@ use super::sections::{GROUP, META, RATES};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::Catalog;
 use ca_core::equivalence::{Class, Quantity, ROWS};
-use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_core::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
+use ca_core::internal::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
+use ca_core::{Catalog, Kind, Need, Param, Type, Unit};
 use serde_json::{Map, Value as Json, json};
 
 /// A word of a name.
@@ -327,7 +326,7 @@ fn param(p: &Param) -> Json {
             doc.push(format!(", up to {}", show(max, unit)));
         }
         if let Need::Default(v) = p.need {
-            json["default"] = if v == 0.0 || unit.dim == Dim::NONE { json!(v) } else { json!(show(v, unit)) };
+            json["default"] = if v == 0.0 || unit.dim == Unit::NONE.dim { json!(v) } else { json!(show(v, unit)) };
         }
     } else if let Need::Default(v) = p.need {
         json["default"] = match p.ty {
@@ -348,7 +347,7 @@ fn symbol(unit: Unit) -> &'static str {
 /// A bare number with the bounds that hold in every system of units, or a quantity, or a name.
 fn number(unit: Unit, min: f64, max: f64) -> Json {
     let mut bare = json!({"type": "number"});
-    let plain = unit.dim == Dim::NONE;
+    let plain = unit.dim == Unit::NONE.dim;
     if min == f64::MIN_POSITIVE {
         bare["exclusiveMinimum"] = json!(0);
     } else if min == 0.0 || plain && min != f64::MIN {

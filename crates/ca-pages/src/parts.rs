@@ -6,8 +6,7 @@
 use ca_compile::Compiled;
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Modes, Network, modes};
-use ca_core::Scene;
-use ca_core::scene::certificate::Level;
+use ca_core::{Level, Scene};
 use ca_lab::catalog;
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability as verdict};
 use ca_lab::facts::level::{decibel, fitting, level, tenths, too_loud};
@@ -227,7 +226,7 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
         Level::Proven => "every link is linear and the bound is below the limit, at every setting",
         Level::Linearised => "proven for small motions about the pose at load",
         Level::RuleOfThumb => "the linear links are proven; rules of thumb judge contacts and non-linear links",
-        Level::NotProven if scene.slow.as_ref().is_some_and(|g| g.compensated) => {
+        Level::NotProven if scene.rates.slow.as_ref().is_some_and(|g| g.compensated) => {
             "a compensated border may make energy, and its account says how much"
         }
         Level::NotProven => "the bounds do not settle it",
@@ -257,12 +256,12 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
     if !c.worst.is_empty() {
         rows.push(("nearest to the limit", format!("`{}`", c.worst)));
     }
-    if !c.decides.is_empty() {
-        rows.push(("deciding link", format!("`{}`", c.decides)));
+    if !c.rules.decides.is_empty() {
+        rows.push(("deciding link", format!("`{}`", c.rules.decides)));
     }
     rows.extend(contacting(c).map(|contact| ("stiffest contact", contact)));
     rows.extend(opened(c).map(|open| ("not judged", open)));
-    rows.extend(c.depth.as_ref().map(|depth| ("steepest contact", deepening(depth))));
+    rows.extend(c.rules.depth.as_ref().map(|depth| ("steepest contact", deepening(depth))));
     let mut blocks = vec![Block::Table(Table::pairs(rows))];
     let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);
     let keys: Vec<Vec<String>> = keys.collect();

@@ -97,7 +97,7 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
         report.picture = picture(film)?;
     }
     if let (Ok((_, ledger, ..)), Ok(scene)) = (&again, &scene) {
-        report.sections.extend(ledger.section(scene, scene.equivalence.of("").energy()));
+        report.sections.extend(ledger.section(scene, scene.hand.equivalence.of("").energy()));
     }
     if matches!(&again, Ok((.., versions)) if *versions > 1) {
         let text = "The model was changed while it played, so its energy is not one account; the picture follows the masses that \

@@ -140,7 +140,7 @@ impl Files for Keep {
         if self.tape.is_some() {
             return Err("it is recorded already".into());
         }
-        if scene.channels == 0 {
+        if scene.counts.channels == 0 {
             return Err("the model has no output, so there is no sound to record".into());
         }
         let path = self.free("wav")?;

@@ -227,7 +227,7 @@ pub fn energy<'py>(
         ("changed", b.changed),
         ("residual", b.residual),
         ("peak", b.peak),
-        ("seconds", ticks as f64 * scene.sample_dt),
+        ("seconds", ticks as f64 * scene.rates.sample_dt),
     ] {
         d.set_item(name, value)?;
     }
@@ -237,7 +237,8 @@ pub fn energy<'py>(
     };
     d.set_item("lost_by", by_link(&ledger.lost))?;
     d.set_item("made_by", by_link(&ledger.scheme_error))?;
-    let ports = scene.enx.iter().chain(&scene.tgr).map(|p| p.input).chain(scene.enf.iter().map(|p| p.input));
+    let ports =
+        scene.ports.enx.iter().chain(&scene.ports.tgr).map(|p| p.input).chain(scene.ports.enf.iter().map(|p| p.input));
     let work: Vec<(String, f64)> =
         ports.zip(&ledger.work).map(|(i, w)| (scene.inputs[i as usize].name.clone(), *w)).collect();
     d.set_item("work_by", work)?;

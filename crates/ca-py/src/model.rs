@@ -107,7 +107,7 @@ pub fn kinds()
         Role::Port(_) => "port",
         Role::Generator(_) => "generator",
     };
-    let one = |k: &'static ca_core::kind::Kind| {
+    let one = |k: &'static ca_core::Kind| {
         let params = k.params.iter().map(|p| (p.name, measure::symbol(p.ty), p.doc)).collect();
         (k.code, k.title, k.equation, family(&k.role), params)
     };

@@ -47,7 +47,7 @@ fn heard<S: Sample>(
     let performance = Performance::new(scene, gesture).map_err(Unheard::Gesture)?;
     let length = play::Length::of(&performance, seconds);
     let frames = length.frames;
-    let (channels, n_out) = (scene.channels, scene.n_out);
+    let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
     let (mut audio, mut probes, mut level) = (Vec::<S>::new(), Vec::new(), Level::new(channels));
     let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
     let fits = room(channels).is_some_and(|n| audio.try_reserve_exact(n).is_ok())
@@ -87,12 +87,12 @@ pub fn render<S: Sample + Element + 'static>(
         Unheard::Failed(e) => failure(py, e),
     })?;
     let scene = &*scene.get().compiled;
-    let (frames, channels) = (heard.frames as usize, scene.channels);
+    let (frames, channels) = (heard.frames as usize, scene.counts.channels);
     let d = PyDict::new(py);
     d.set_item("audio", table(py, heard.audio, frames, channels)?)?;
-    d.set_item("probes", table(py, heard.probes, frames, scene.n_out - channels)?)?;
-    d.set_item("probe_names", scene.probe_names.clone())?;
-    d.set_item("probe_of", scene.probe_of.clone())?;
+    d.set_item("probes", table(py, heard.probes, frames, scene.counts.n_out - channels)?)?;
+    d.set_item("probe_names", scene.names.probe_names.clone())?;
+    d.set_item("probe_of", scene.names.probe_of.clone())?;
     let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
     d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
     d.set_item("peak", heard.level.peak.into_pyarray(py))?;

@@ -7,7 +7,8 @@ use crate::render::render;
 use crate::sim::Sim;
 use crate::wait::apart;
 use ca_compile::{Compiled, Options};
-use ca_core::scene::InputRole;
+use ca_core::InputRole;
+use ca_core::internal::scene::modules;
 use ca_io::gesture::PortMap;
 use ca_lab::bytes;
 use ca_lab::load::{self, Loaded};
@@ -45,19 +46,19 @@ impl Scene {
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let s = &self.compiled;
         let d = PyDict::new(py);
-        d.set_item("title", &s.title)?;
+        d.set_item("title", &s.about.title)?;
         d.set_item("name", &self.loaded.name)?;
         d.set_item("rate", s.rate)?;
-        d.set_item("gesture_rate", s.rate / f64::from(s.ratio))?;
-        d.set_item("ratio", s.ratio)?;
+        d.set_item("gesture_rate", s.rate / f64::from(s.rates.ratio))?;
+        d.set_item("ratio", s.rates.ratio)?;
         d.set_item("oversample", s.oversample())?;
-        d.set_item("channels", s.channel_names.clone())?;
-        d.set_item("seconds", s.seconds)?;
+        d.set_item("channels", s.names.channel_names.clone())?;
+        d.set_item("seconds", s.about.seconds)?;
         d.set_item("n_mat", s.mats())?;
         d.set_item("n_lia", s.lias())?;
-        d.set_item("left_out", s.left_out.clone())?;
-        let passes = s.reads.iter().chain(s.summed()).chain(&s.writes).chain(&s.moves);
-        d.set_item("passes", passes.map(|o| (o.name, s.modules(o))).collect::<Vec<_>>())?;
+        d.set_item("left_out", s.about.left_out.clone())?;
+        let passes = s.passes.reads.iter().chain(s.passes.summed()).chain(&s.passes.writes).chain(&s.passes.moves);
+        d.set_item("passes", passes.map(|o| (o.name(), modules(s, o))).collect::<Vec<_>>())?;
         Ok(d)
     }
 
@@ -82,7 +83,7 @@ impl Scene {
     /// Probes: their names, and for each the selector that asked for it.
     #[getter]
     fn probes(&self) -> (Vec<String>, Vec<u32>) {
-        (self.compiled.probe_names.clone(), self.compiled.probe_of.clone())
+        (self.compiled.names.probe_names.clone(), self.compiled.names.probe_of.clone())
     }
 
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
@@ -108,13 +109,13 @@ impl Scene {
         d.set_item("largest", c.largest)?;
         d.set_item("ripple", c.ripple)?;
         d.set_item("worst", &c.worst)?;
-        d.set_item("contact", c.contact)?;
-        d.set_item("stiffest", &c.stiffest)?;
-        d.set_item("depth", c.depth.clone())?;
-        d.set_item("friction", c.friction)?;
-        d.set_item("closed", c.closed)?;
-        d.set_item("decides", &c.decides)?;
-        d.set_item("open", &c.open)?;
+        d.set_item("contact", c.rules.contact)?;
+        d.set_item("stiffest", &c.rules.stiffest)?;
+        d.set_item("depth", c.rules.depth.clone())?;
+        d.set_item("friction", c.rules.friction)?;
+        d.set_item("closed", c.rules.closed)?;
+        d.set_item("decides", &c.rules.decides)?;
+        d.set_item("open", &c.rules.open)?;
         d.set_item("not_judged", c.not_judged.clone())?;
         Ok(d)
     }
@@ -171,7 +172,7 @@ impl Scene {
     /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is
     /// that of an array without times.
     fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
-        let map = |i: &ca_core::scene::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
+        let map = |i: &ca_core::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
         let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
         Gesture::open(py, path, ports, port, rate)
     }

@@ -79,7 +79,7 @@ impl Sim {
         mut probes: Option<PyReadwriteArray2<f64>>,
     ) -> PyResult<()> {
         let (scene, ports) = (&*self.scene, &self.ports);
-        let (n_in, channels) = (scene.inputs.len(), scene.channels);
+        let (n_in, channels) = (scene.inputs.len(), scene.counts.channels);
         let (n, rows) = (audio.shape()[0], inputs.shape()[0]);
         if audio.shape()[1] != channels || inputs.shape()[1] != n_in || ![1, n].contains(&rows) {
             let what = format!("audio must be (n, {channels}) and inputs (n, {n_in}) or (1, {n_in})");
@@ -88,7 +88,7 @@ impl Sim {
         if forces.as_ref().is_some_and(|f| f.shape() != [n, ports.len()]) {
             return Err(usage(py, &format!("forces must be ({n}, {})", ports.len())));
         }
-        let n_probes = scene.n_out - channels;
+        let n_probes = scene.counts.n_out - channels;
         if probes.as_ref().is_some_and(|p| p.shape() != [n, n_probes]) {
             return Err(usage(py, &format!("probes must be ({n}, {n_probes})")));
         }
@@ -97,7 +97,7 @@ impl Sim {
         let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
         let mut probes = probes.as_mut().filter(|p| !p.is_empty()).map(|p| p.as_array_mut());
-        let every = (UPDATES / (scene.n_mat + scene.n_lia + 1)).clamp(1, 4096);
+        let every = (UPDATES / (scene.counts.n_mat + scene.counts.n_lia + 1)).clamp(1, 4096);
         let mut look = Look::new();
         self.played(py, n, |r| {
             for i in 0..n {

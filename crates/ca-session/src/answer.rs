@@ -1,8 +1,8 @@
 //! Answers to requests of `ca set`, `ca arm` and the like, which pages send too.
 
 use crate::host::Language;
-use ca_core::live::LiveParam;
-use ca_core::numeric::Plain;
+use ca_core::LiveParam;
+use ca_core::internal::numeric::Plain;
 use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::guard::Order;
 use ca_haptic::serve::Recorder;

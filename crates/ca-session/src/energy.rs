@@ -3,8 +3,7 @@
 //! It is computed from the pictures, since a scene has an energy ledger only on request. The sums go by the names that the
 //! author of the model wrote, such as a string or a hammer.
 
-use ca_core::Scene;
-use ca_core::scene::Location;
+use ca_core::{Location, Scene};
 
 /// Names at most; masses of further names count under the last.
 const NAMES: usize = 6;
@@ -26,7 +25,7 @@ impl KineticEnergy {
             let Location::Mat(at) = symbol.location else { continue };
             let places = at as usize..at as usize + if symbol.axes > 1 { 3 } else { 1 };
             // C = T²/m; 0 of what no force moves
-            let of = |p: usize| scene.initial.coef.get(2 * scene.n_mat + p).filter(|c| **c > 0.0);
+            let of = |p: usize| scene.initial.coef.get(2 * scene.counts.n_mat + p).filter(|c| **c > 0.0);
             let moves: Vec<(usize, f64)> = places.filter_map(|p| Some((p, 0.5 / *of(p)?))).collect();
             if moves.is_empty() {
                 continue;

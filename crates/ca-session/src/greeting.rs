@@ -2,10 +2,8 @@
 
 use crate::energy::KineticEnergy;
 use crate::protocol::{Message, Param, PortInfo, PortRole};
-use ca_core::Scene;
-use ca_core::io::midi::MidiSource;
-use ca_core::live::LiveParam;
-use ca_core::scene::{Input, InputRole};
+use ca_core::internal::io::midi::MidiSource;
+use ca_core::{Input, InputRole, LiveParam, Scene};
 use ca_view::Drawing;
 use std::collections::BTreeSet;
 
@@ -15,17 +13,17 @@ pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, 
     let ports = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
     Message::Scene {
         generation,
-        title: scene.title.clone(),
+        title: scene.about.title.clone(),
         model: model.into(),
         rate: scene.rate,
-        frame: scene.ratio,
-        channels: scene.channel_names.clone(),
+        frame: scene.rates.ratio,
+        channels: scene.names.channel_names.clone(),
         drawing: drawing.json(),
         params,
         ports,
-        gesture: !scene.gestures.is_empty(),
+        gesture: !scene.about.gestures.is_empty(),
         notes: notes(scene),
-        seconds: scene.seconds,
+        seconds: scene.about.seconds,
         energy: KineticEnergy::new(scene).names().to_vec(),
         stability,
     }
@@ -59,7 +57,7 @@ fn port(scene: &Scene, drawing: &Drawing, k: usize, input: &Input) -> PortInfo {
         InputRole::Force => PortRole::Force,
         InputRole::Device => PortRole::Device,
     };
-    let mut ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+    let mut ports = scene.layout.ports.enx.iter().chain(&scene.layout.ports.tgr);
     let place = ports.find(|p| p.input as usize == k).map(|p| p.mat);
     let mass = place.and_then(|place| scene.symbols.places().iter().position(|p| *p == place));
     let mass = mass.and_then(|m| drawing.drawn_mass(m)).map(|m| m as u64);

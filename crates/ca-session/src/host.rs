@@ -1,7 +1,6 @@
 //! The parts of a session that need a compiler, files or threads, as traits. The host supplies them.
 
-use ca_core::Scene;
-use ca_core::live::LiveParam;
+use ca_core::{LiveParam, Scene};
 use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;

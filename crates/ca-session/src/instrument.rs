@@ -45,7 +45,7 @@ impl Instrument {
         let engine = Engine::new(scene.clone(), Vec::new(), Options::default());
         let (ends, _, recorder) = rings(scene, 0, PICTURES);
         let recorder = Recorder::new(recorder, shared.clone(), scene.clone(), &engine.ports, vec![Box::new(sink)]);
-        let rate = scene.rate / f64::from(scene.ratio);
+        let rate = scene.rate / f64::from(scene.rates.ratio);
         let view = (rate / f64::from(PICTURES)).max(1.0) as u64;
         let every = RecordIntervals { view, ..RecordIntervals::default() };
         let live = Live::new(engine, ends, shared.clone(), Clock::Monotonic, every);

@@ -97,7 +97,7 @@ fn apply(packet: OscPacket, target: &mut Target<'_>, done: &mut Outcome) {
 }
 
 fn state(recorder: &Recorder) -> Vec<(&'static str, Vec<OscType>)> {
-    let param = |p: &ca_core::live::LiveParam| {
+    let param = |p: &ca_core::LiveParam| {
         let numbers = [p.value, p.min, p.max].map(OscType::Double);
         ("/param", [vec![OscType::String(p.name.clone())], numbers.to_vec()].concat())
     };

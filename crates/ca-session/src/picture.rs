@@ -69,9 +69,9 @@ impl PageSink {
         PageSink {
             pages,
             drawing,
-            channels: scene.channels,
+            channels: scene.counts.channels,
             energy: KineticEnergy::new(scene),
-            sample: scene.sample_dt,
+            sample: scene.rates.sample_dt,
             pictures: 0,
             stats: Stats::default(),
             coming: Coming::default(),

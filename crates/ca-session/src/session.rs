@@ -179,7 +179,7 @@ impl Session {
             (self.scene, self.drawing, self.holder) = (scene, drawing, None);
             let stability = self.language.stability(&self.scene);
             self.pages.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
-            if core::mem::take(&mut self.plays) && !self.scene.gestures.is_empty() {
+            if core::mem::take(&mut self.plays) && !self.scene.about.gestures.is_empty() {
                 if let Err(why) = recorder.gesture(true) {
                     recorder.say(true, why);
                 }

@@ -1,7 +1,6 @@
 //! A session without a page, a thread and a file: what it answers, and what it sends.
 
-use ca_core::Scene;
-use ca_core::live::LiveParam;
+use ca_core::{LiveParam, Scene};
 use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;

@@ -139,7 +139,7 @@ impl Sweep {
         let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
         // what a gesture cannot drive is said before the first run
         Performance::new(&scene, gesture.as_ref())?;
-        let (channels, rate) = (scene.channels, scene.rate);
+        let (channels, rate) = (scene.counts.channels, scene.rate);
         let hash = bytes::named(&loaded, rate)?;
         let played = gesture.as_ref().map(|g| blake3::hash(format!("{g:?}").as_bytes()).to_hex().to_string());
         Ok(Sweep { loaded, ask, gesture, hash, played, runs, channels, rate })
@@ -231,8 +231,8 @@ impl Sweep {
         let options = Options { rate: self.ask.rate, energy: self.ask.energy, ..Options::default() };
         let scene = loaded.compile(&options)?;
         row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
-        if (scene.rate, scene.channels) != (self.rate, self.channels) {
-            let what = format!("{} channels at {} Hz", scene.channels, scene.rate);
+        if (scene.rate, scene.counts.channels) != (self.rate, self.channels) {
+            let what = format!("{} channels at {} Hz", scene.counts.channels, scene.rate);
             return Err(Failure::Failed(format!(
                 "{what}; all sounds of a sweep have {} at {} Hz",
                 self.channels, self.rate
@@ -241,7 +241,7 @@ impl Sweep {
         let performance = Performance::new(&scene, self.gesture.as_ref())?;
         let length = Length::of(&performance, self.ask.seconds);
         let frames = length.frames;
-        let (channels, n_out) = (scene.channels, scene.n_out);
+        let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
         let (mut sound, mut level) = (Vec::new(), Level::new(channels));
         let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
         if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {

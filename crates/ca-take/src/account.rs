@@ -24,7 +24,7 @@ impl Account {
     pub fn of(engine: &Engine) -> Option<Account> {
         let scene = &engine.scene;
         let ledger = engine.state.ledger.as_ref()?;
-        let scale = scene.equivalence.of("").energy();
+        let scale = scene.hand.equivalence.of("").energy();
         let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
         let given = hand(|p, k| p.chain.ledger.given[k]);
         let removed = hand(|p, k| p.chain.ledger.removed(k));
@@ -82,7 +82,7 @@ fn line(name: &str) -> String {
 /// Heat of links, by their name in the file, most first.
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
-    let mut links: Vec<_> = scene.audited_links().collect();
+    let mut links: Vec<_> = ca_core::internal::scene::audited_links(scene).collect();
     links.sort_by_key(|(i, _)| *i);
     for (i, name) in links {
         let name = format!("lost in `{}`", line(&name.to_string()));

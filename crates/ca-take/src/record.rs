@@ -165,7 +165,7 @@ fn setup(scene: &Scene, name: &str) -> Setup {
 impl Stage<'_> {
     fn play(&mut self, frames: u64, forces: bool, goes_on: &mut dyn FnMut(u64, u64) -> bool) -> Result<(), Failure> {
         let scene = self.engine.scene.clone();
-        let every = |rate: f64| (scene.rate / rate / f64::from(scene.ratio)).round().max(1.0) as u64;
+        let every = |rate: f64| (scene.rate / rate / f64::from(scene.rates.ratio)).round().max(1.0) as u64;
         let (second, view) = (every(1.0), every(VIEWS));
         if forces {
             self.order(Order::Arm)?;
@@ -191,7 +191,7 @@ impl Stage<'_> {
         let mut sent: Vec<DeviceFrame> = Vec::new();
         for p in &self.engine.ports {
             let mut frame = DeviceFrame::new(&p.name, p.profile.dof as usize);
-            let ns = (due as f64 * self.engine.scene.sample_dt * 1e9) as u64;
+            let ns = (due as f64 * self.engine.scene.rates.sample_dt * 1e9) as u64;
             (frame.session, frame.seq, frame.t_device_ns) = (1, self.seq + 1, ns);
             // what nobody moves stays where the scene has it
             for l in &p.links {

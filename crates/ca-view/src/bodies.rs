@@ -7,7 +7,7 @@
 
 use crate::graph::{Graph, NONE};
 use crate::spread::{Adjacent, spread};
-use ca_core::kind::name::Index;
+use ca_core::internal::kind::name::Index;
 use std::f64::consts::PI;
 
 /// Smaller networks that are neither path nor circle are placed mass by mass.

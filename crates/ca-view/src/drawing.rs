@@ -8,9 +8,8 @@
 
 use crate::graph::{Edge, Graph, NONE, Source};
 use crate::{bodies, place, thin};
-use ca_core::Scene;
-use ca_core::op::layout::{Output, Tap};
-use ca_core::scene::InputRole;
+use ca_core::internal::op::layout::{Output, Tap};
+use ca_core::{InputRole, Scene};
 use serde_json::{Value, json};
 
 /// A range of a gesture above this \[m\] is that of a bow, which says nothing of the size of what it plays.
@@ -152,19 +151,19 @@ fn motion(scene: &Scene) -> Option<f64> {
         let values = || points.iter().map(|p| p[1]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
     };
-    let ranges = scene.gestures.iter().filter(|(name, _)| port(name)).map(|(_, points)| range(points));
+    let ranges = scene.about.gestures.iter().filter(|(name, _)| port(name)).map(|(_, points)| range(points));
     let least = ranges.filter(|r| (1e-9..STROKE).contains(r)).fold(f64::INFINITY, f64::min);
     if least.is_finite() {
         return Some(least);
     }
-    let gains = scene.writes.first().map(|op| op.coef - op.first)?;
-    let plain = scene.outputs.len() - scene.blockers.len() - scene.of_motion[0];
+    let gains = scene.passes.writes.first().map(|op| op.coef - op.first)?;
+    let plain = scene.out.outputs.len() - scene.out.blockers.len() - scene.out.of_motion[0];
     let gain = |(k, o): (usize, &Output)| {
         let place = matches!(o.tap, Tap::Position(_)) && k < plain;
-        let heard = place && (o.channel as usize) < scene.channels;
+        let heard = place && (o.channel as usize) < scene.counts.channels;
         scene.initial.coef.get(gains + k).map(|gain| gain.abs()).filter(|gain| heard && *gain > 0.0)
     };
-    let mut all: Vec<f64> = scene.outputs.iter().enumerate().filter_map(gain).collect();
+    let mut all: Vec<f64> = scene.out.outputs.iter().enumerate().filter_map(gain).collect();
     all.sort_unstable_by(f64::total_cmp);
     all.get(all.len() / 2).map(|gain| 2.0 / gain).filter(|m| m.is_finite())
 }

@@ -5,11 +5,10 @@
 //! order of its shape; how they hang together is read from the links. What has a place in the state but is no MAT (moving
 //! points, masses that go by their modes), and what has none (the ends of waveguides), becomes a node behind the MATs.
 
-use ca_core::Scene;
-use ca_core::kind::name::{Index, Part};
-use ca_core::op::layout::{CoordinateSource, MeasureKind, Termination};
-use ca_core::op::{Op, pass};
-use ca_core::scene::Location;
+use ca_core::internal::kind::name::{Index, Part};
+use ca_core::internal::op::layout::{CoordinateSource, MeasureKind, Termination};
+use ca_core::internal::op::{Op, pass};
+use ca_core::{Location, Scene};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -112,14 +111,14 @@ impl Graph {
     pub fn new(scene: &Scene) -> Graph {
         let mut graph = Graph::default();
         // for each place of the state its node, and the axis of that
-        let mut of = vec![(NONE, 0u8); scene.n_mat];
+        let mut of = vec![(NONE, 0u8); scene.counts.n_mat];
         graph.masses(scene, &mut of);
         graph.mats = graph.source.len();
         graph.points(scene, &mut of);
         graph.waveguides(scene, &of);
         let mut balls = BTreeSet::new();
         for l in scene.symbols.lias() {
-            let (Some(op), i) = (scene.forces.get(l[0] as usize), l[1] as usize) else { continue };
+            let (Some(op), i) = (scene.passes.forces.get(l[0] as usize), l[1] as usize) else { continue };
             graph.link(scene, op, i, &of, &mut balls);
         }
         graph.spheres = balls.into_iter().map(|(node, bits)| (node, f64::from_bits(bits))).collect();
@@ -207,7 +206,7 @@ impl Graph {
                 self.close(false);
                 last = Some((s.name.of.clone(), part, space));
             }
-            let at = |k: usize| scene.rest.get(place as usize + k).map_or(0.0, |v| *v);
+            let at = |k: usize| scene.places.rest.get(place as usize + k).map_or(0.0, |v| *v);
             let (source, rest) = if space {
                 (Source::Space(place), [at(0), at(1), at(2)])
             } else {
@@ -227,7 +226,7 @@ impl Graph {
 
     /// Moving points and masses that go by their modes.
     fn points(&mut self, scene: &Scene, of: &mut [(u32, u8)]) {
-        for p in &scene.moving_points {
+        for p in &scene.places.moving_points {
             let cell = pass::cell(scene, &scene.initial, p);
             let nodes = cell.node.iter().zip(&cell.weight).take(cell.n);
             let under: Vec<(u32, f64)> =
@@ -243,12 +242,12 @@ impl Graph {
             self.close(true);
         }
         let mut group = None;
-        for m in &scene.modal {
+        for m in &scene.places.modal {
             if group.is_some_and(|first| first != m.first) {
                 self.close(false);
             }
             group = Some(m.first);
-            let rest = scene.rest.get(m.mat as usize).map_or(0.0, |v| *v);
+            let rest = scene.places.rest.get(m.mat as usize).map_or(0.0, |v| *v);
             let node = self.node(Source::Line(m.mat), "MAS", Index::None, [finite(rest), 0.0, 0.0]);
             of[m.mat as usize] = (node, 0);
         }
@@ -314,7 +313,7 @@ impl Graph {
         let radius = holds(scene, op, i).filter(|_| balls.len() < SPHERES);
         if let Some(set) = op.ports.pair_set {
             // every pair of two sets: not drawn one by one
-            let Some(set) = scene.pair_sets.get(set) else { return };
+            let Some(set) = scene.links.pair_sets.get(set) else { return };
             for m in set.members.iter().take(set.rows).filter(|_| set.rows < SPHERES) {
                 let node = of[*m as usize].0;
                 balls.extend(radius.filter(|_| node != NONE).map(|r| (node, r.to_bits())));
@@ -325,8 +324,8 @@ impl Graph {
         let code = law.code.split(' ').next().unwrap_or(law.code);
         let contact = law.contact || ["PLK", "ATT", "BOW"].iter().any(|touch| code.ends_with(touch));
         let ports = [
-            (scene.ends.get(op.first + i), true),
-            (op.ports.onto.and_then(|(_, first, _)| scene.onto.get(first + i)), false),
+            (scene.links.ends.get(op.first + i), true),
+            (op.ports.onto.and_then(|(_, first, _)| scene.links.onto.get(first + i)), false),
         ];
         for (slots, drawn) in ports {
             let Some([a, b]) = slots.map(|e| e.map(|slot| of.get(slot as usize).copied().unwrap_or((NONE, 0)))) else {
@@ -362,7 +361,7 @@ fn holds(scene: &Scene, op: &Op, i: usize) -> Option<f64> {
 /// for `gravity` would have it; on a line the second, which is up on a screen.
 fn up(scene: &Scene, graph: &Graph, of: &[(u32, u8)]) -> (usize, f64) {
     let mut sum = [0.0; 3];
-    if let Some(op) = scene.forces.iter().find(|op| op.name == "weight" && op.law.is_none()) {
+    if let Some(op) = scene.passes.forces.iter().find(|op| op.name() == "weight" && op.law.is_none()) {
         for (k, slot) in scene.weighed.iter().enumerate() {
             let (node, axis) = of.get(*slot as usize).copied().unwrap_or((NONE, 0));
             if node != NONE && graph.is_space(node as usize) {

@@ -5,7 +5,7 @@
 //! it is drawn where both its ends are.
 
 use crate::graph::{Graph, Item, NONE};
-use ca_core::kind::name::Index;
+use ca_core::internal::kind::name::Index;
 
 /// Masses that are drawn at most, or a few more.
 pub const MOST: usize = 20_000;

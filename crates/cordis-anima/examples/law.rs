@@ -3,12 +3,7 @@
 //! the language.
 
 use cordis_anima::ca_compile::load;
-use cordis_anima::ca_core::kind::{Dim, Kind, Need, POSITIVE, Param, Role, Unit};
-use cordis_anima::ca_core::law::{Bound, Phi};
-use cordis_anima::ca_core::numeric::Real;
-use cordis_anima::ca_core::numeric::Table;
-use cordis_anima::ca_core::op::Law;
-use cordis_anima::ca_core::phi::BETWEEN;
+use cordis_anima::ca_core::{BETWEEN, Bound, Dim, Kind, Law, Need, POSITIVE, Param, Phi, Real, Role, Table, Unit};
 use cordis_anima::{Options, catalog, tick};
 
 /// F = k e + q e⁵.

@@ -56,9 +56,9 @@ mod render;
 pub mod voice;
 
 pub use ca_compile::{Compiled, KernelClass, Options};
-#[cfg(feature = "bytes")]
-pub use ca_core::scene::{Plan, PlanError};
 pub use ca_core::{Catalog, Scene, State, compute_forces, integrate, process, tick};
+#[cfg(feature = "bytes")]
+pub use ca_core::{Plan, PlanError};
 pub use ca_io::FileError;
 pub use ca_model::Model;
 pub use error::{Error, Found};

@@ -5,10 +5,8 @@
 use crate::error::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
-use ca_core::Catalog;
-use ca_core::kind::cloud::{Clouds, Unread};
-use ca_core::numeric::Real;
-use ca_core::op::Laws;
+use ca_core::internal::kind::cloud::{Clouds, Unread};
+use ca_core::{Catalog, Laws, Real};
 use ca_import::mims;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};
@@ -25,7 +23,7 @@ pub fn catalog() -> Catalog {
 
 /// The functions of all laws there are over `R`, for [`Scene::bind`](crate::Scene::bind).
 pub fn laws<R: Real>() -> Laws<R> {
-    ca_core::phi::laws().with(ca_lpr::laws())
+    ca_core::internal::phi::laws().with(ca_lpr::laws())
 }
 
 /// Loads and compiles a model.

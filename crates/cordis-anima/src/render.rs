@@ -44,7 +44,7 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     }
     let frames = perform::frames(scene, seconds);
     let (mut sound, mut diverged) = (Vec::new(), None);
-    let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.channels.max(1)));
+    let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.counts.channels.max(1)));
     if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
         let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s of sound do not fit into memory"));
         return Err(e.fix("play less, or play it by blocks with `ca_io::perform::Performance`").into());
@@ -54,7 +54,7 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
             sound.extend_from_slice(&row[..scene.channels]);
         }
         if p.diverged && diverged.is_none() {
-            diverged = Some(p.state.tick as f64 * scene.sample_dt);
+            diverged = Some(p.state.tick as f64 * scene.rates.sample_dt);
         }
         Ok::<(), Error>(())
     })?;

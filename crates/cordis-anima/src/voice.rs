@@ -9,10 +9,7 @@
 //! those of a whole string for its pitch. Where that is too much for a callback, another thread computes them with
 //! [`Scene::controls`](crate::Scene::controls) and sends the patch, which [`Voice::apply`] takes at no cost.
 
-use ca_core::live::{LiveParam, Patch};
-use ca_core::scene::InputRole;
-use ca_core::state::NotRestored;
-use ca_core::{Scene, State};
+use ca_core::{InputRole, LiveParam, NotRestored, Patch, Scene, State};
 use ca_io::running::Running;
 use ca_io::sound::Level;
 use std::sync::Arc;

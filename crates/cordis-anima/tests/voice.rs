@@ -1,6 +1,6 @@
 //! A voice beside the ticks it stands for: sound, ports, forces, live parameters, what a callback may be handed.
 
-use cordis_anima::ca_core::scene::InputRole;
+use cordis_anima::ca_core::InputRole;
 use cordis_anima::{Loaded, Options, Scene, Voice, tick};
 use std::sync::Arc;
 
@@ -56,7 +56,7 @@ fn blocks_are_the_ticks_of_the_scene() {
         s.input[key_input] = 1e-3;
         s.input[hand_input] = f64::from(hand[i]);
         cordis_anima::compute_forces(&scene, &mut s);
-        forces = [s.f[scene.enx[0].mat as usize], s.border[0].force];
+        forces = [s.f[scene.ports.enx[0].mat as usize], s.ports.border[0].force];
         cordis_anima::integrate(&scene, &mut s);
         assert_eq!([left[i], right[i]], [s.output[0] as f32, s.output[1] as f32], "sample {i}");
     }

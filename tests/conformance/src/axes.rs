@@ -4,8 +4,7 @@
 use crate::drawn::{args, built, held, laws};
 use crate::play::{Random, mat, model, within};
 use ca_compile::Options;
-use ca_core::kind::Kind;
-use ca_core::{State, tick};
+use ca_core::{Kind, State, tick};
 use ca_model::{Entry, Model, Value};
 
 /// Two masses with a distance between them, on a line or along `n` in space, joined by one link; `along` for a link

@@ -5,10 +5,7 @@ use crate::models;
 use crate::play::{Random, model};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
-use ca_core::kind::{Kind, Need, Role, Type, Unit};
-use ca_core::numeric::Table;
-use ca_core::op::Law;
-use ca_core::{Catalog, Scene};
+use ca_core::{Catalog, Kind, Law, Need, Role, Scene, Table, Type, Unit};
 use ca_model::{Entry, Model, Value, read, render};
 
 /// All kinds there are, and one of our own.
@@ -205,7 +202,7 @@ impl Loaded {
     /// If it has no link.
     pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
-        let op = scene.forces.iter().find(|o| o.law.is_some()).expect("a link");
+        let op = scene.passes.forces.iter().find(|o| o.law.is_some()).expect("a link");
         let law = op.law.expect("a law");
         let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n]).collect();
         let (mem, tables) = (vec![0.0; law.mem], scene.tables.clone());
@@ -230,7 +227,7 @@ impl Loaded {
 /// True where the first link holds nothing wherever its ends are, and its force is known before they move.
 pub fn only_resists(scene: &Scene) -> bool {
     let mut l = Loaded::first(scene);
-    let late = l.law.is_staged();
+    let late = !l.law.stage.is_explicit();
     // a pluck that begins disengaged holds nothing before it has been reached
     let way = |i: i32| 1e-2 * (f64::from(i) * std::f64::consts::TAU / 2000.0).sin();
     l.start(0.0);

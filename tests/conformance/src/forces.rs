@@ -87,7 +87,7 @@ proptest! {
     fn bounds_bound(seed in 1u64.., e in -2e-3..2e-3f64, step in 1e-7..1e-4f64, w in -1e-5..1e-5f64) {
         for (kind, _) in laws() {
             let mut l = Loaded::new(kind, &mut Random(seed));
-            let bound = (l.law.bound)(&l.c, &l.tables);
+            let bound = (l.law.at_load.bound)(&l.c, &l.tables);
             let (from, to) = (l.law.fns.idle)(&l.c);
             let rest = if !l.law.contact { 0.0 } else if from.is_finite() { from } else { to };
             let e = if bound.hardens { rest } else { e };
@@ -144,17 +144,17 @@ proptest! {
             let mut s = scene.state();
             let resists = only_resists(&scene);
             let high = mat(&scene, "high");
-            (s.x[high], s.d[high]) = (x, v * scene.sample_dt);
+            (s.x[high], s.d[high]) = (x, v * scene.rates.sample_dt);
             let (mut before, mut force, mut far) = (0.0, 0.0f64, 0.0f64);
             for n in 0..2000 {
                 tick(&scene, &mut s);
                 let tie = 1e4 * s.x[mat(&scene, "low")].abs();
-                force = s.tap.iter().fold(force.max(tie), |m, f| m.max(f.abs()));
+                force = s.links.tap.iter().fold(force.max(tie), |m, f| m.max(f.abs()));
                 far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
                 let ledger = s.ledger.as_ref().expect("a ledger");
                 prop_assert!(ledger.lost.iter().all(|l| *l >= 0.0), "{}", kind.code);
                 if n > 0 && resists {
-                    let most = before + ledger.scheme_error.iter().sum::<f64>().abs() + 1e-12 * ledger.peak;
+                    let most = before + ledger.scheme_error.iter().sum::<f64>().abs() + 1e-12 * ledger.extremes.peak;
                     prop_assert!(ledger.h <= most, "{} {way}, tick {n}: {} J after {before} J", kind.code, ledger.h);
                 }
                 before = ledger.h;
@@ -164,7 +164,7 @@ proptest! {
             let places = (2000.0f64 / 12.0).sqrt() * f64::EPSILON * force * far;
             prop_assert!(b.residual.abs() <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
             prop_assert!(way == "ca" || b.scheme_error <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
-            prop_assert!(b.scheme_error == 0.0 || scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
+            prop_assert!(b.scheme_error == 0.0 || scene.passes.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear)));
         }
     }
 }

@@ -23,7 +23,7 @@ fn all_forms_of_a_law_give_the_same_bits() {
                 ];
                 let play = |o: &Options| {
                     let scene = built(&m, o);
-                    scene.forces.iter().filter(|o| o.law.is_some()).for_each(|o| {
+                    scene.passes.forces.iter().filter(|o| o.law.is_some()).for_each(|o| {
                         seen.insert((o.form.stride > 0, o.form.offset, o.form.tap));
                     });
                     let places: Vec<usize> = (0..MASSES).map(|i| mat(&scene, &format!("m{i}"))).collect();

@@ -53,12 +53,14 @@ pub fn reference() -> Options {
 /// # Panics
 /// If there is none.
 pub fn mat(scene: &Scene, name: &str) -> usize {
-    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
+    (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
 }
 
 /// Places of `name[0] …` in the state.
 pub fn mats(scene: &Scene, name: &str) -> Vec<usize> {
-    (0..scene.n_mat).map_while(|i| (0..scene.n_mat).find(|p| scene.mat_name(*p) == format!("{name}[{i}]"))).collect()
+    (0..scene.counts.n_mat)
+        .map_while(|i| (0..scene.counts.n_mat).find(|p| scene.mat_name(*p) == format!("{name}[{i}]")))
+        .collect()
 }
 
 /// A reference case by the start of its id.

@@ -3,10 +3,7 @@
 use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
 use ca_compile::Options;
-use ca_core::SOURCES;
-use ca_core::kind::{Need, Type};
-use ca_core::scene::Location;
-use ca_core::tick;
+use ca_core::{Location, Need, SOURCES, Type, tick};
 use ca_model::{read, render};
 
 #[test]
@@ -27,7 +24,7 @@ fn every_record_is_complete() {
                 (Type::Number { unit, min, max } | Type::Numbers { unit, min, max }, need) => {
                     assert!(min < max, "{what}");
                     let plain = unit.symbol.is_empty();
-                    assert_eq!(plain, unit.dim == ca_core::kind::Dim::NONE, "{what}: `{}`", unit.symbol);
+                    assert_eq!(plain, unit.dim == ca_core::Unit::NONE.dim, "{what}: `{}`", unit.symbol);
                     if let Need::Default(v) = need {
                         assert!(min <= v && v <= max, "{what}: {v} is not in {min} … {max}");
                     }
@@ -73,9 +70,11 @@ fn every_example_sounds() {
 fn every_link_of_the_examples_is_known_by_name() {
     for (name, text) in texts() {
         let scene = built(&model(&text), &Options { energy: true, ..Options::default() });
-        let named: Vec<usize> = (0..scene.n_lia).filter(|k| scene.audited_name(*k).is_some_and(|n| n != "?")).collect();
+        let named: Vec<usize> =
+            (0..scene.counts.n_lia).filter(|k| scene.audited_name(*k).is_some_and(|n| n != "?")).collect();
         // what fills up a row stands there as a link from a place to itself
-        let taken: Vec<usize> = (0..scene.n_lia).filter(|k| scene.ends[*k][0] != scene.ends[*k][1]).collect();
+        let taken: Vec<usize> =
+            (0..scene.counts.n_lia).filter(|k| scene.links.ends[*k][0] != scene.links.ends[*k][1]).collect();
         let links = scene.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count();
         assert_eq!((&named, named.len()), (&taken, links), "{name}");
     }

@@ -3,8 +3,7 @@
 use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::kind::Type;
-use ca_core::{State, process, tick};
+use ca_core::{State, Type, process, tick};
 use ca_model::{Entry, Model, Value, quantity};
 
 /// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
@@ -62,7 +61,10 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
                     assert!(!p.live || p.name == "p", "{what}: {refused}");
                     continue;
                 };
-                assert!(scene.e0 == fresh.e0 && scene.rest == fresh.rest, "{what} moves something that is not live");
+                assert!(
+                    scene.links.e0 == fresh.links.e0 && scene.places.rest == fresh.places.rest,
+                    "{what} moves something that is not live"
+                );
                 let patch = scene.controls().set("dial", to).unwrap_or_else(|e| panic!("{what}: {e}"));
                 let mut s = scene.state();
                 (0..5).for_each(|_| tick(&scene, &mut s));
@@ -120,7 +122,7 @@ fn a_snapshot_goes_on_as_if_nothing_had_happened() {
         let mut copy = s.clone();
         assert_eq!(copy.bits(), s.bits());
         run(&mut s, 700);
-        assert!(scene.n_mat == 0 || copy.bits() != s.bits(), "{name}: the hash does not see time");
+        assert!(scene.counts.n_mat == 0 || copy.bits() != s.bits(), "{name}: the hash does not see time");
         run(&mut copy, 700);
         assert_eq!(copy.bits(), s.bits(), "{name}");
         assert!(copy == s, "{name}");
@@ -132,7 +134,7 @@ fn blocks_are_ticks() {
     for (name, text) in texts() {
         let scene = built(&model(&text), &Options { kernel: KernelClass::Fast, ..Options::default() });
         let (mut a, mut b) = (scene.state(), scene.state());
-        let n = scene.n_out.max(1);
+        let n = scene.counts.n_out.max(1);
         let mut out = Vec::new();
         for block in [1usize, 3, 64, 100] {
             let mut part = vec![f64::NAN; block * n];
@@ -141,7 +143,7 @@ fn blocks_are_ticks() {
         }
         for frame in out.chunks_exact(n) {
             tick(&scene, &mut b);
-            assert!(scene.n_out == 0 || frame == b.output, "{name}");
+            assert!(scene.counts.n_out == 0 || frame == b.output, "{name}");
         }
         assert!(a == b, "{name}");
     }

@@ -2,7 +2,8 @@
 //! bits as where they are.
 
 use crate::play::{reference, scene, with};
-use ca_core::op::{Band, Vectors};
+use ca_core::internal::op::{Band, Vectors};
+use ca_core::internal::scene::same_since;
 use ca_core::{Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -52,7 +53,7 @@ fn played(scene: &Scene, ticks: usize) -> (Vec<u64>, Vec<(&'static str, usize, B
         s.output[0].to_bits()
     });
     let sound = sound.collect();
-    (sound, scene.summed().iter().chain(&scene.moves).map(|op| (op.name, op.n, op.form.band)).collect())
+    (sound, scene.passes.summed().iter().chain(&scene.passes.moves).map(|op| (op.name(), op.n, op.form.band)).collect())
 }
 
 #[test]
@@ -64,7 +65,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     let peak = sound.iter().fold(0.0_f64, |peak, v| peak.max(f64::from_bits(*v).abs()));
     assert!(peak > 1e-7, "it is silent");
     let string = scene(&text(40, 1, &along_first(40, 1), false));
-    assert!(!string.sorted && string.same_since() == 0, "its takes keep their bits");
+    assert!(!string.passes.sorted && same_since(&string) == 0, "its takes keep their bits");
     let made =
         scene("[MESH]\nm = { nx = 14, ny = 13, m = \"2 g\", k = 1000, z = 0.01 }\n[SOX]\no = { from = \"m[5,1]\" }\n");
     assert_eq!(played(&made, 1).1, passes, "by hand and made");
@@ -73,7 +74,7 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
     for links in written(nx, ny) {
         let text = text(nx, ny, &links, false);
         let mesh = scene(&text);
-        assert!(mesh.sorted && mesh.same_since() == 3, "takes of it from before are compared to rounding");
+        assert!(mesh.passes.sorted && same_since(&mesh) == 3, "takes of it from before are compared to rounding");
         assert_eq!(played(&mesh, 500), (sound.clone(), passes.clone()), "{text}");
         // to rounding that of a plain loop over the document
         let plain = with(&text, &reference());
@@ -89,10 +90,10 @@ fn a_cloth_is_found_in_any_order_of_its_links() {
     let (nx, ny) = (9, 8);
     let usual = scene(&text(nx, ny, &along_first(nx, ny), true));
     let (sound, _) = played(&usual, 500);
-    assert!(usual.layout.rows.iter().all(|r| *r > 0), "all stand in rows");
+    assert!(usual.layout.links.rows.iter().all(|r| *r > 0), "all stand in rows");
     for links in written(nx, ny) {
         let cloth = scene(&text(nx, ny, &links, true));
-        assert_eq!(cloth.layout.rows, usual.layout.rows);
+        assert_eq!(cloth.layout.links.rows, usual.layout.links.rows);
         assert_eq!(played(&cloth, 500).0, sound);
     }
 }
@@ -126,7 +127,7 @@ fn what_stands_around_a_mesh_changes_no_order() {
     );
     let [behind, before] = [format!("{mesh}{hammer}"), format!("{hammer}{mesh}")];
     assert_eq!(played(&scene(&before), 300), played(&scene(&behind), 300));
-    assert!(scene(&before).moves.iter().any(|op| op.form.band != Band::None));
+    assert!(scene(&before).passes.moves.iter().any(|op| op.form.band != Band::None));
 }
 
 proptest! {

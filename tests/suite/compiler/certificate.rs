@@ -7,8 +7,7 @@
 use crate::play::{Random, off, scene, with, within};
 use ca_compile::Compiled;
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use ca_model::read;
 use ca_tests::catalog;
 use proptest::prelude::*;
@@ -112,17 +111,22 @@ fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
 /// The spectral radius of one tick about the pose at load.
 fn radius(scene: &Scene) -> f64 {
     let start = scene.state();
-    let moving: Vec<usize> = (0..scene.n_mat).filter(|i| start.coef[2 * scene.n_mat + i] > 0.0).collect();
+    let moving: Vec<usize> = (0..scene.counts.n_mat).filter(|i| start.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
     let n = moving.len();
     let place = |s: &mut State, i: usize, by: f64| match i {
         i if i < n => s.x[moving[i]] += by,
         i if i < 2 * n => s.d[moving[i - n]] += by,
-        i => s.mem[i - 2 * n] += by,
+        i => s.links.mem[i - 2 * n] += by,
     };
     let read = |s: &State| -> Vec<f64> {
-        moving.iter().map(|i| s.x[*i]).chain(moving.iter().map(|i| s.d[*i])).chain(s.mem.iter().copied()).collect()
+        moving
+            .iter()
+            .map(|i| s.x[*i])
+            .chain(moving.iter().map(|i| s.d[*i]))
+            .chain(s.links.mem.iter().copied())
+            .collect()
     };
-    let size = 2 * n + start.mem.len();
+    let size = 2 * n + start.links.mem.len();
     let step = 1e-6;
     let mut map = faer::Mat::<f64>::zeros(size, size);
     for j in 0..size {
@@ -144,7 +148,7 @@ fn radius(scene: &Scene) -> f64 {
 /// not become faster.
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
-    let moving: Vec<usize> = (0..scene.n_mat).filter(|i| s.coef[2 * scene.n_mat + i] > 0.0).collect();
+    let moving: Vec<usize> = (0..scene.counts.n_mat).filter(|i| s.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
     let mut rng = Random(7);
     for i in &moving {
         s.d[*i] += 1e-9 * rng.uniform();
@@ -313,8 +317,12 @@ fn the_margin_counts_contacts_and_friction() {
     assert!(margin(&but(10.0, ", method = \"stable\"")).is_infinite() && margin("").is_infinite());
     let bow = "[BOW]\nb = { between = [\"w\", \"a\"], f = 3, v0 = 1, curve = \"coulomb\" }";
     let s = scene(&text(bow));
-    assert!(s.certificate.friction > 1.5 && s.findings.list.iter().any(|d| d.code == "W113"), "{:?}", s.certificate);
-    within("a bow", off(s.certificate.margin(), 1.5 / s.certificate.friction), 1e-12);
+    assert!(
+        s.certificate.rules.friction > 1.5 && s.findings.list.iter().any(|d| d.code == "W113"),
+        "{:?}",
+        s.certificate
+    );
+    within("a bow", off(s.certificate.margin(), 1.5 / s.certificate.rules.friction), 1e-12);
 }
 
 /// What nothing hears is not judged, and that is said.

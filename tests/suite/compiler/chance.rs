@@ -3,8 +3,7 @@
 
 use crate::play::Random;
 use ca_compile::{KernelClass, Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};
 use proptest::prelude::*;
@@ -56,7 +55,7 @@ fn survives(text: &str) {
     render::text(&diags, &model, false);
     match compile(&model, &catalog, &Options { energy: true, ..Options::default() }) {
         // large scenes are for other tests
-        Ok(scene) if scene.n_mat + scene.n_lia < 5000 => {
+        Ok(scene) if scene.counts.n_mat + scene.counts.n_lia < 5000 => {
             let mut s = scene.state();
             (0..20).for_each(|_| tick(&scene, &mut s));
             render::text(&scene.findings, &model, false);
@@ -93,7 +92,7 @@ proptest! {
                 for _ in 0..3000 {
                     tick(&scene, &mut s);
                     if let Some(ledger) = &s.ledger {
-                        least = least.min(ledger.h / ledger.peak.max(1e-300));
+                        least = least.min(ledger.h / ledger.extremes.peak.max(1e-300));
                     }
                 }
                 if scene.certificate.level == Level::Proven {
@@ -117,8 +116,8 @@ proptest! {
         let m = network(seed, false);
         let Ok(scene) = compile(&m, &catalog(), &Options { kernel: KernelClass::Reference, ..Options::default() }) else { return Ok(()) };
         // S/M = 1 − (T²K + 2TC)/4M from the compiled scene: one tick of x alone gives T²K/M, one of d alone T C/M
-        let free: Vec<usize> = (0..scene.n_mat).filter(|i| scene.state().coef[2 * scene.n_mat + i] > 0.0).collect();
-        let c: Vec<f64> = free.iter().map(|i| scene.state().coef[2 * scene.n_mat + i]).collect();
+        let free: Vec<usize> = (0..scene.counts.n_mat).filter(|i| scene.state().coef[2 * scene.counts.n_mat + i] > 0.0).collect();
+        let c: Vec<f64> = free.iter().map(|i| scene.state().coef[2 * scene.counts.n_mat + i]).collect();
         let n = free.len();
         let mut a = vec![vec![0.0; n]; n];
         for (j, p) in free.iter().enumerate() {
@@ -164,7 +163,7 @@ proptest! {
         if let Ok(scene) = compile(&m, &catalog(), &Options::default()) {
             let mut s = scene.state();
             (0..200).for_each(|_| tick(&scene, &mut s));
-            let contacts = scene.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && !l.is_staged()));
+            let contacts = scene.passes.forces.iter().any(|o| o.law.is_some_and(|l| !l.linear && l.stage.is_explicit()));
             prop_assert!(!contacts || scene.certificate.level != Level::Proven);
         }
     }

@@ -19,7 +19,7 @@ fn survives(text: &str) -> Vec<&'static str> {
         Ok(scene) => {
             assert!(!scene.findings.has_errors(), "{text}\n{}", scene.findings);
             let mut state = scene.state();
-            if scene.n_mat < 1000 {
+            if scene.counts.n_mat < 1000 {
                 (0..3).for_each(|_| tick(&scene, &mut state));
             }
             scene.findings

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 fn the_depth_of_a_contact_that_hardens() {
     let depth = |text: &str| {
         let (model, _) = read::read(text, "test.ca.toml", &catalog());
-        compile(&model, &catalog(), &Options::default()).expect(text).scene.certificate.depth
+        compile(&model, &catalog(), &Options::default()).expect(text).scene.certificate.rules.depth
     };
     let (q, t) = (3e6, 1.0 / 48e3);
     let at = |p: f64, m: f64| (m / (p * q * t * t)).powf(1.0 / (p - 1.0));

@@ -3,16 +3,17 @@
 
 use crate::play::{mat, scene, with};
 use ca_compile::{KernelClass, Options};
-use ca_core::op::{Band, Hub, Integrate, Vectors};
-use ca_core::scene::Location;
-use ca_core::{Scene, tick};
+use ca_core::internal::op::{Band, Hub, Integrate, Vectors};
+use ca_core::internal::scene::{lia_name, same_since};
+use ca_core::internal::state::shape;
+use ca_core::{Location, Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
 /// The fused rows: law, and what masses they integrate.
 fn fused(s: &Scene) -> Vec<(&'static str, Integrate)> {
-    let rows = s.moves.iter().filter(|op| op.form.integrate != Integrate::No);
-    rows.map(|op| (op.name, op.form.integrate)).collect()
+    let rows = s.passes.moves.iter().filter(|op| op.form.integrate != Integrate::No);
+    rows.map(|op| (op.name(), op.form.integrate)).collect()
 }
 
 /// Plays `text` by both, and compares every bit of place and motion.
@@ -56,7 +57,7 @@ fn same_as(text: &str, fast: &Scene, listed: &Scene, ticks: usize) {
     }
     assert!(heard > 0.0 && heard < 1e6, "{heard} in\n{text}");
     assert_eq!(a.bits(), b.bits(), "the hash sees what is folded: {text}");
-    assert_eq!(a.shape(), b.shape(), "a take sees what is folded: {text}");
+    assert_eq!(shape(&a), shape(&b), "a take sees what is folded: {text}");
     assert_eq!((fast.mats(), fast.lias()), (listed.mats(), listed.lias()), "what fills up a row is counted: {text}");
 }
 
@@ -112,7 +113,7 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
     let pushed = format!("{string}[ENF]\npush = {{ to = \"s[2]\" }}\n");
     assert_eq!(same(&pushed, 3000), [("REF", Integrate::Mas)]);
     // which rounds otherwise than when it was added first
-    assert_eq!((scene(&pushed).same_since(), scene(&string).same_since()), (2, 0));
+    assert_eq!((same_since(&scene(&pushed)), same_since(&scene(&string))), (2, 0));
     // two numbers on one mass, one before the row, one that somebody reads, one that others are solved from
     for more in [
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
@@ -159,7 +160,7 @@ fn a_row_under_tension_has_the_bits_of_its_list() {
     }
     text += "[SOX]\nout = { from = \"m7\" }\n";
     assert_eq!(same(&text, 3000), [("REF", Integrate::Mas)]);
-    assert!(scene(&text).moves.iter().any(|op| op.form.offset));
+    assert!(scene(&text).passes.moves.iter().any(|op| op.form.offset));
 }
 
 /// Strings one behind the other run as one row, the rows of a mesh too, and what is long stands folded; live parameters
@@ -183,7 +184,7 @@ fn rows_that_are_joined_have_the_bits_of_their_list() {
     let rows = [("REF", Integrate::Mas), ("RES", Integrate::Mas), ("REF", Integrate::Cel), ("REF", Integrate::Cel)];
     assert_eq!(same(&text, 3000), rows);
     let s = scene(&text);
-    let rows: Vec<usize> = s.moves.iter().filter(|op| op.form.folded).map(|op| op.n).collect();
+    let rows: Vec<usize> = s.passes.moves.iter().filter(|op| op.form.folded).map(|op| op.n).collect();
     // of the mesh, all but what its border lacks behind the last mass
     let filled = [26 + 42, 92, 32, 13 * 14].map(|masses: usize| masses.next_multiple_of(8));
     assert_eq!(rows, filled, "s and t are one row, with a joint");
@@ -227,8 +228,8 @@ proptest! {
         }
         prop_assert_eq!(rows, [(if viscous { "REF" } else { "RES" }, class)]);
         let s = scene(&text);
-        prop_assert!(s.moves.iter().any(|op| matches!(op.form.band, Band::Along(_))), "{}", text);
-        prop_assert!(s.summed().iter().all(|op| op.form.stride == 0), "{}", text);
+        prop_assert!(s.passes.moves.iter().any(|op| matches!(op.form.band, Band::Along(_))), "{}", text);
+        prop_assert!(s.passes.summed().iter().all(|op| op.form.stride == 0), "{}", text);
     }
 }
 
@@ -269,7 +270,7 @@ fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"m[2,2]\"], k = 1e4, k3 = 1e9 }\n",
         "[SOF]\nforce = { from = \"m[5,5]\" }\n",
     ] {
-        let banded = |text: &str| scene(text).moves.iter().any(|op| op.form.band != Band::None);
+        let banded = |text: &str| scene(text).passes.moves.iter().any(|op| op.form.band != Band::None);
         let text = mesh("nx = 16, ny = 12");
         assert!(banded(&text) && !banded(&format!("{text}{more}")), "{more}");
         same(&format!("{text}{more}"), 1500);
@@ -317,7 +318,7 @@ fn rows_across_a_folded_one_have_the_bits_of_their_list() {
             names("b", 0..12)
         );
         same(&text, 800);
-        assert!(scene(&text).moves.iter().any(|op| op.form.folded), "{text}");
+        assert!(scene(&text).passes.moves.iter().any(|op| op.form.folded), "{text}");
     }
 }
 
@@ -404,7 +405,7 @@ fn lists_have_the_bits_of_their_list() {
         );
         same(&text, 1500);
         let s = scene(&text);
-        let fans = s.summed().iter().filter(|op| op.form.hub != Hub::None);
+        let fans = s.passes.summed().iter().filter(|op| op.form.hub != Hub::None);
         let fans: Vec<_> = fans.map(|op| (op.n, op.form.hub)).collect();
         let each = [(n, Hub::First), (n, Hub::Second), (n, Hub::First)];
         // one that is short is worth it where none that are looked up stand before it
@@ -416,9 +417,9 @@ fn lists_have_the_bits_of_their_list() {
 #[test]
 fn fused_links_keep_their_place() {
     let s = scene(&struck(24, "k = \"40 kN/m\", z = 0.1"));
-    assert_eq!((s.fused, s.summed().len(), s.forces.len()), (1, 1, 2));
-    assert_eq!((s.forces[0].name, s.forces[1].name), ("BUT", "REF"));
-    assert_eq!(s.lia_name(0, 0), "b");
-    assert!(s.lia_name(1, 3).starts_with("s."), "{}", s.lia_name(1, 3));
+    assert_eq!((s.passes.fused, s.passes.summed().len(), s.passes.forces.len()), (1, 1, 2));
+    assert_eq!((s.passes.forces[0].name(), s.passes.forces[1].name()), ("BUT", "REF"));
+    assert_eq!(lia_name(&s, 0, 0), "b");
+    assert!(lia_name(&s, 1, 3).starts_with("s."), "{}", lia_name(&s, 1, 3));
     assert!(s.mat_name(mat(&s, "s[3]")).starts_with("s["));
 }

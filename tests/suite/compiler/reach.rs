@@ -1,8 +1,7 @@
 //! Links whose slope hangs on their elongation: judged where the energy at load, or the stroke of a port, takes them.
 
 use crate::play::{off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 
 /// A gram with a speed on a spring.
 fn bob(v: f64, spring: &str) -> String {
@@ -26,7 +25,7 @@ fn found(s: &ca_compile::Compiled, code: &str, words: &str) -> bool {
 fn a_table_is_judged_where_it_is_reached() {
     let soft = scene(&bob(0.01, TABLE));
     assert_eq!((soft.certificate.level, soft.findings.list.len()), (Level::RuleOfThumb, 0));
-    assert_eq!(soft.certificate.decides, "c");
+    assert_eq!(soft.certificate.rules.decides, "c");
     within("the slope of the soft part", off(soft.certificate.bound, 1e3 / 1e-3 / 48e3 / 48e3), 1e-9);
     // all of ½ m v² is held at the bend by v = √(k x²/m) = 1, and a tick before it some is motion still
     let a = 1e3 / 1e-3 / 48e3 / 48e3;
@@ -72,7 +71,7 @@ fn a_spring_that_hardens_is_judged_at_its_energy() {
             let (least, most) = (slope(e), slope(e + v / 48e3));
             let bound = s.certificate.bound * 1e-3 * 48e3 * 48e3;
             assert!(bound >= least * (1.0 - 1e-9) && bound <= most, "{spring}, {v}: {bound}, {least} … {most}");
-            assert!(s.certificate.open.is_empty() && s.certificate.decides == "c");
+            assert!(s.certificate.rules.open.is_empty() && s.certificate.rules.decides == "c");
         }
     }
     let steep = scene(&bob(10.0, "[CUB]\nc = { between = [\"w\", \"b\"], k = 1000, k3 = 1e14 }"));
@@ -92,13 +91,13 @@ fn a_spring_at_a_port_is_judged_at_its_stroke() {
     let s = scene(&text("[gesture]\nh = { sine = 5e-3, f = 30, to = 2 }\n"));
     within("at the stroke", off(s.certificate.bound * 1e-3 * 48e3 * 48e3, 1e3 + 3e10 * 25e-6), 1e-3);
     let s = scene(&text(""));
-    assert_eq!(s.certificate.open, ["c"]);
+    assert_eq!(s.certificate.rules.open, ["c"]);
     within("at rest", off(s.certificate.bound * 1e-3 * 48e3 * 48e3, 1e3), 1e-9);
     // weight, too, may take it anywhere
     let s = scene(
         "[g]\ngravity = 9.81\n[g.SOL]\nw = {}\n[g.MAS]\nb = { m = 1e-3 }\n[CUB]\nc = { between = [\"g.w\", \"g.b\"], k3 = 1e10 }\n[SOX]\no = { from = \"g.b\" }\n",
     );
-    assert_eq!(s.certificate.open, ["c"]);
+    assert_eq!(s.certificate.rules.open, ["c"]);
 }
 
 /// A contact by a power of its depth presses as deep as the energy takes it.
@@ -113,11 +112,11 @@ fn a_hertz_contact_is_judged_at_its_depth() {
     let s = scene(&text(-1.0));
     let deep = (2.5 * 0.5e-3 / 1e10_f64).powf(0.4);
     let [least, most] = [deep, deep + 1.0 / 48e3].map(|eta| 1.5e10 * eta.sqrt() / 1e-3 / 48e3 / 48e3);
-    let is = s.certificate.contact;
+    let is = s.certificate.rules.contact;
     assert!(is >= least * (1.0 - 1e-9) && is <= most, "{is}, {least} … {most}");
     assert!(found(&s, "W117", "energy at load"), "{:?}", s.findings.list);
     let s = scene(&text(-1e-5));
-    assert!(s.certificate.closed < 1.0 && s.findings.list.is_empty(), "{:?}", s.certificate);
+    assert!(s.certificate.rules.closed < 1.0 && s.findings.list.is_empty(), "{:?}", s.certificate);
 }
 
 /// Contacts by their viscosity too: beyond the limit such a scene diverges, below it does not.

@@ -81,11 +81,11 @@ fn every_bit_is_that_of_the_pairs() {
         let mut scenes = Vec::from([with(&text, &reference())]);
         scenes.extend((0..3).map(|_| scene(&text)));
         scenes.push(audited(&text));
-        assert!(scenes[0].pair_sets.is_empty() && scenes[1].pair_sets.len() == 1, "{contact}");
+        assert!(scenes[0].links.pair_sets.is_empty() && scenes[1].links.pair_sets.len() == 1, "{contact}");
         let skins = [0.0, 0.0, 0.25, 1.0, 0.25];
         let mut states = scenes.iter().map(|s| s.state()).collect::<Vec<_>>();
         for (s, skin) in states.iter_mut().zip(skins) {
-            s.near.iter_mut().for_each(|n| n.skin = skin);
+            s.links.near.iter_mut().for_each(|n| n.skin = skin);
         }
         let mut touched = 0;
         for n in 0..16_000 {
@@ -102,7 +102,7 @@ fn every_bit_is_that_of_the_pairs() {
             touched += u32::from(states[0].f.iter().all(|f| f.is_finite()));
         }
         assert_eq!(touched, 16_000);
-        let lists = states.iter().map(|s| s.near.first().map_or(0, |n| n.lists)).collect::<Vec<_>>();
+        let lists = states.iter().map(|s| s.links.near.first().map_or(0, |n| n.lists)).collect::<Vec<_>>();
         // what contains has no use for a list
         let expected = if which == 3 { lists == [0; 5] } else { lists[1] == 0 && lists[2..].iter().all(|n| *n > 10) };
         assert!(expected, "{contact}: {lists:?}");
@@ -119,14 +119,14 @@ fn pairs_written_one_by_one_are_the_same() {
         }
     }
     let (one, all) = (scene(&shaken(&hits())), scene(&shaken(&each)));
-    assert_eq!((one.n_lia, all.n_lia), (41, 40 + 780));
+    assert_eq!((one.counts.n_lia, all.counts.n_lia), (41, 40 + 780));
     let (mut s, mut t) = (one.state(), all.state());
     for _ in 0..3000 {
         tick(&one, &mut s);
         tick(&all, &mut t);
     }
     assert_eq!(bits(&one, &s), bits(&all, &t));
-    assert!(s.near[0].lists > 0);
+    assert!(s.links.near[0].lists > 0);
 }
 
 #[test]
@@ -179,8 +179,9 @@ fn a_state_taken_back_goes_on_as_it_did() {
     s.x.iter_mut().enumerate().for_each(|(i, x)| *x += 0.01 * (i % 7) as f64);
     (0..500).for_each(|_| tick(&scene, &mut s));
     // all but the list of neighbours, then everything
-    let near = s.near.clone();
-    s = State { near, ..kept.clone() };
+    let near = s.links.near.clone();
+    s = kept.clone();
+    s.links.near = near;
     (0..1500).for_each(|_| tick(&scene, &mut s));
     assert_eq!(bits(&scene, &s), once);
     s = kept;
@@ -253,7 +254,7 @@ fn the_energy_ledger_balances_and_agrees_with_that_of_the_pairs() {
         {
             within(what, (a - b).abs() / one.peak, 1e-12);
         }
-        let hits = (0..set.n_lia).filter(|k| set.audited_name(*k).as_deref() == Some("hits")).count();
+        let hits = (0..set.counts.n_lia).filter(|k| set.audited_name(*k).as_deref() == Some("hits")).count();
         assert_eq!(hits, 1, "the set is one entry");
     }
 }
@@ -261,21 +262,21 @@ fn the_energy_ledger_balances_and_agrees_with_that_of_the_pairs() {
 #[test]
 fn a_pair_that_is_heard_makes_the_pairs() {
     let one = scene(&shaken(&hits()));
-    assert_eq!((one.n_lia, one.pair_sets[0].pairs()), (41, 780));
+    assert_eq!((one.counts.n_lia, one.links.pair_sets[0].pairs()), (41, 780));
     let sof = "\n[SOF]\nblow = { from = \"hits[3]\" }\n";
-    assert_eq!(scene(&(shaken(&hits()) + sof)).n_lia, 40 + 780);
+    assert_eq!(scene(&(shaken(&hits()) + sof)).counts.n_lia, 40 + 780);
     let probed = Options { probes: vec!["hits[5]".into()], ..Options::default() };
-    assert_eq!(with(&shaken(&hits()), &probed).n_lia, 40 + 780);
+    assert_eq!(with(&shaken(&hits()), &probed).counts.n_lia, 40 + 780);
     // on a line a contact knows sides, and stays with its pairs
     let line = "[MAS]\na = { m = 1 }\nb = { m = 1, x = 1 }\nc = { m = 1, x = 2 }\nd = { m = 1, x = 3 }\n[BUT]\n\
          hits = { between = [[\"a\", \"b\", \"c\", \"d\"], [\"a\", \"b\", \"c\", \"d\"]], k = 1 }\n[SOX]\nout = { from = \"a\" }\n";
-    assert_eq!(scene(line).n_lia, 6);
+    assert_eq!(scene(line).counts.n_lia, 6);
     // a method that remembers something of each pair too
     let stable = hits().replace("k = 5000", "k = 5000, method = \"stable\"");
-    assert_eq!(scene(&shaken(&stable)).n_lia, 40 + 780);
+    assert_eq!(scene(&shaken(&stable)).counts.n_lia, 40 + 780);
     // nor is one against many worth it
     let one = format!("rim = {{ between = [\"room.middle\", {}], pairs = \"all\", k = 1, d = {D} }}", names(0, 40));
-    assert!(scene(&shaken(&one)).pair_sets.is_empty());
+    assert!(scene(&shaken(&one)).links.pair_sets.is_empty());
 }
 
 #[test]
@@ -289,9 +290,9 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
     {
         let text = heard(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
-        assert_eq!(set.pair_sets.len(), 1);
-        within("kT²/m", (set.certificate.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);
-        assert!((set.certificate.contact - pairs.certificate.contact).abs() < 1e-12);
+        assert_eq!(set.links.pair_sets.len(), 1);
+        within("kT²/m", (set.certificate.rules.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);
+        assert!((set.certificate.rules.contact - pairs.certificate.rules.contact).abs() < 1e-12);
         assert_eq!(set.certificate.level, pairs.certificate.level);
     }
 }
@@ -306,7 +307,7 @@ fn ten_thousand_grains_are_one_module() {
         )
     };
     let apart = scene(&text("6 mm"));
-    assert_eq!((apart.n_lia, apart.pair_sets[0].pairs()), (1, 49_995_000));
+    assert_eq!((apart.counts.n_lia, apart.links.pair_sets[0].pairs()), (1, 49_995_000));
     assert!(apart.findings.list.is_empty(), "{}", apart.findings);
     // once, for the first pair there is
     let pressed = scene(&text("4 mm"));

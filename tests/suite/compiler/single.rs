@@ -7,8 +7,7 @@
 use crate::compiler::thresholds::{k, link, z};
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
 use ca_compile::{KernelClass, Options, load};
-use ca_core::numeric::Precision;
-use ca_core::tick;
+use ca_core::{Precision, tick};
 use ca_model::diag::{Diags, Severity};
 use ca_tests::follow;
 
@@ -40,9 +39,9 @@ fn scene(text: &str) -> Compiled {
 
 /// Gives the ports what the gesture of the model says, and runs a tick.
 fn step(scene: &Scene, s: &mut State) {
-    for (name, points) in &scene.gestures {
+    for (name, points) in &scene.about.gestures {
         let input = scene.input(name).expect("a port");
-        s.input[input] = follow(points, s.tick as f64 * scene.sample_dt);
+        s.input[input] = follow(points, s.tick as f64 * scene.rates.sample_dt);
     }
     tick(scene, s);
 }
@@ -75,7 +74,9 @@ fn apart(text: &str, ticks: usize) -> f64 {
 
 /// Places of `s[0] …`.
 fn places(scene: &Scene) -> Vec<usize> {
-    (0..scene.n_mat).map_while(|i| (0..scene.n_mat).find(|p| scene.mat_name(*p) == format!("s[{i}]"))).collect()
+    (0..scene.counts.n_mat)
+        .map_while(|i| (0..scene.counts.n_mat).find(|p| scene.mat_name(*p) == format!("s[{i}]")))
+        .collect()
 }
 
 fn string(n: usize, k: f64) -> String {
@@ -191,7 +192,7 @@ fn the_ledger() {
     (0..480_000).for_each(|_| tick(&scene, &mut s));
     let l = s.ledger.as_ref().expect("a ledger");
     let b = l.balance();
-    within("in a tick", l.worst / b.peak, 4e-7);
+    within("in a tick", l.extremes.worst / b.peak, 4e-7);
     within("in ten seconds", b.residual.abs() / b.peak, 4e-7);
 }
 
@@ -282,7 +283,7 @@ fn the_same_bits() {
 #[test]
 fn no_number_of_the_tick_is_double() {
     let s = scene(STRING).state();
-    let single: [&[f32]; 7] = [&s.x, &s.d, &s.f, &s.coef, &s.mem, &s.tap, &s.lowpass];
+    let single: [&[f32]; 7] = [&s.x, &s.d, &s.f, &s.coef, &s.links.mem, &s.links.tap, &s.ports.lowpass];
     assert!(single[..4].iter().all(|v| v.len() >= 40));
 }
 

@@ -493,8 +493,8 @@ fn a_model_holds_a_million_modules() {
 #[test]
 fn a_factor_holds_as_many_entries_as_are_allowed() {
     let pairs = || (0..20_u32).flat_map(|i| (0..i).map(move |j| (i, j)));
-    assert!(ca_core::numeric::ldl::Pattern::new(20, pairs(), 190).is_some());
-    assert!(ca_core::numeric::ldl::Pattern::new(20, pairs(), 189).is_none());
+    assert!(ca_core::internal::numeric::ldl::Pattern::new(20, pairs(), 190).is_some());
+    assert!(ca_core::internal::numeric::ldl::Pattern::new(20, pairs(), 189).is_none());
 }
 
 /// Modes are computed up to 4000 places. That 4000 are takes minutes; the long form sees it.

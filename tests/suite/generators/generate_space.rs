@@ -2,7 +2,7 @@
 
 use crate::play::{case, list, mats, num, off, reference, scene, with, within};
 use ca_compile::{Options, compile};
-use ca_core::kind::cloud::Cloud;
+use ca_core::internal::kind::cloud::Cloud;
 use ca_core::{Scene, compute_forces};
 use ca_io::cloud::{of_model, open};
 
@@ -18,7 +18,7 @@ fn room(body: &str) -> String {
 fn places(body: &str, n: usize) -> Vec<[f64; 3]> {
     let scene = with(&room(body), &reference());
     assert_eq!(mats(&scene, "room.p").len(), n);
-    (0..n).map(|i| [0, 1, 2].map(|k| scene.layout.reach[i][k])).collect()
+    (0..n).map(|i| [0, 1, 2].map(|k| scene.layout.links.reach[i][k])).collect()
 }
 
 fn norm(v: [f64; 3]) -> f64 {
@@ -71,9 +71,9 @@ fn a_tetrahedron_starts_as_a_rigid_body() {
     let (s, tau) = (scene.state(), std::f64::consts::TAU);
     let [wx, wy, wz] = [3.0 * tau, -tau, 2.0 * tau];
     for (i, at) in mats(&scene, "room.p").into_iter().enumerate() {
-        let [x, y, z, _] = scene.layout.reach[i];
+        let [x, y, z, _] = scene.layout.links.reach[i];
         let v = [1.0 + wy * z - wz * y, 2.0 + wz * x - wx * z, -3.0 + wx * y - wy * x];
-        let d = [0, 1, 2].map(|k| s.d[at + k] / scene.sample_dt);
+        let d = [0, 1, 2].map(|k| s.d[at + k] / scene.rates.sample_dt);
         within("v = v₀ + ω × r", norm(minus(d, v)), 1e-14);
     }
 }
@@ -85,7 +85,7 @@ fn a_tetrahedron_weighs_what_is_asked() {
         let places = mats(&scene, "room.p");
         places
             .iter()
-            .map(|p| scene.sample_dt * scene.sample_dt / scene.state().coef[2 * scene.n_mat + p])
+            .map(|p| scene.rates.sample_dt * scene.rates.sample_dt / scene.state().coef[2 * scene.counts.n_mat + p])
             .collect::<Vec<f64>>()
     };
     let each = mobility(&tetra(""));
@@ -324,25 +324,25 @@ fn a_cloud_becomes_masses_and_springs() {
     let args = "file = \"pyramid.obj\", scale = \"20 %\", m_total = \"10 g\", k = 100, x = [1, 0, 0], v = [0, 3, 0]";
     let scene = build(&format!("[room.CLOUD]\np = {{ {args}, turn = [0, 0, \"25 %\"] }}\n")).unwrap();
     let at = mats(&scene, "room.p");
-    assert_eq!((at.len(), scene.n_lia), (5, 5 + 8));
+    assert_eq!((at.len(), scene.counts.n_lia), (5, 5 + 8));
     let s = scene.state();
     // its own springs come first, then the ties to the origin
     for (i, [x, y, z]) in CORNERS[..5].iter().enumerate() {
-        let rest = [0, 1, 2].map(|k| scene.layout.reach[8 + i][k]);
+        let rest = [0, 1, 2].map(|k| scene.layout.links.reach[8 + i][k]);
         within("at its place", norm(minus(rest, [1.0 - 0.2 * y, 0.2 * x, 0.2 * z])), 1e-15);
-        within("thrown", (s.d[at[i] + 1] / scene.sample_dt - 3.0).abs(), 1e-14);
+        within("thrown", (s.d[at[i] + 1] / scene.rates.sample_dt - 3.0).abs(), 1e-14);
         within(
             "a fifth of the whole",
-            off(scene.sample_dt * scene.sample_dt / s.coef[2 * scene.n_mat + at[i]], 2e-3),
+            off(scene.rates.sample_dt * scene.rates.sample_dt / s.coef[2 * scene.counts.n_mat + at[i]], 2e-3),
             1e-15,
         );
     }
     assert!(scene.findings.list.iter().any(|d| d.code == "N202"), "{}", scene.findings);
     // by reach: the sides of the square, not its diagonals, nor the slanting edges of 1.03
     let near = build(&format!("[room.CLOUD]\np = {{ {args}, reach = 0.2001 }}\n")).unwrap();
-    assert_eq!(near.n_lia, 5 + 4);
+    assert_eq!(near.counts.n_lia, 5 + 4);
     // without k only masses
-    assert_eq!(build("[room.CLOUD]\np = { file = \"pyramid.obj\", m = 1 }\n").unwrap().n_lia, 5);
+    assert_eq!(build("[room.CLOUD]\np = { file = \"pyramid.obj\", m = 1 }\n").unwrap().counts.n_lia, 5);
     let missing = build("[room.CLOUD]\np = { file = \"cone.obj\", m = 1 }\n").unwrap_err();
     assert!(missing.list.iter().any(|d| d.code == "E031" && d.title.contains("cone.obj") && d.span().is_some()));
     // the path is right where the file was read
@@ -408,15 +408,15 @@ fn a_stretched_mesh_sounds_across_as_asked() {
         // by pitch: heard at f, warping included
         let (stiffness, _, scene) =
             across(&format!("m = 1e-3, f = 220, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
-        let half = 0.5 * scene.sample_dt * (stiffness / 1e-3).sqrt();
-        within("f", off(half.asin() / (pi * scene.sample_dt), 220.0), 1e-7);
+        let half = 0.5 * scene.rates.sample_dt * (stiffness / 1e-3).sqrt();
+        within("f", off(half.asin() / (pi * scene.rates.sample_dt), 220.0), 1e-7);
     }
     // turned up, it moves along y; and it moves at all: a period of the lowest mode comes back
     let (stiffness, _, scene) =
         across("m = 1e-3, f = 220, dx = 0.01, stretch = 0.5, turn = [\"-25 %\", 0, 0]", 7, 5, 1);
     within(
         "turned",
-        off((0.5 * scene.sample_dt * (stiffness / 1e-3).sqrt()).asin() / (pi * scene.sample_dt), 220.0),
+        off((0.5 * scene.rates.sample_dt * (stiffness / 1e-3).sqrt()).asin() / (pi * scene.rates.sample_dt), 220.0),
         1e-7,
     );
 }
@@ -426,7 +426,7 @@ fn probes_are_called_by_the_modules_they_hear() {
     let probe = |text: &str, probes: &[&str]| {
         let options = Options { probes: probes.iter().map(|p| (*p).into()).collect(), ..Options::default() };
         let scene = with(text, &options);
-        (scene.probe_names.clone(), scene.probe_of.clone())
+        (scene.names.probe_names.clone(), scene.names.probe_of.clone())
     };
     let (names, of) = probe(&room(&tetra("k = 1000")), &["room.p[*]", "room.p[2]", "room.p.link[1..3]"]);
     let want: Vec<String> = (0..4).flat_map(|i| ["x", "y", "z"].map(|a| format!("room.p[{i}].{a}"))).collect();
@@ -441,7 +441,7 @@ fn probes_are_called_by_the_modules_they_hear() {
     assert_eq!((names.last().map(String::as_str), of.last(), of.contains(&2)), (Some("low[-1]"), Some(&3), false));
     let options = Options { probes: vec!["none".into(), "low[1]".into()], ..Options::default() };
     let scene = with(string, &options);
-    assert_eq!(scene.n_out, 2);
+    assert_eq!(scene.counts.n_out, 2);
     let mut s = scene.state();
     s.x[crate::play::mat(&scene, "low[1]")] = 0.25;
     ca_core::tick(&scene, &mut s);

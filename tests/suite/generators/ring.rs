@@ -2,8 +2,7 @@
 
 use crate::play::{PI, mat, mats, model, off, scene, within};
 use ca_compile::{Options, analysis::modes::modes, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 
 const FS: f64 = 48_000.0;

@@ -2,8 +2,7 @@
 //! played, for everything that is given by `f` and `t60`.
 
 use crate::play::{PI, scene, within};
-use ca_core::kind::Role;
-use ca_core::tick;
+use ca_core::{Role, tick};
 use std::fmt::Write as _;
 
 /// The pole of x(n + l) = p x(n) − q x(n − l) by least squares, an eighth of a period apart, where it is best known: pitch

@@ -1,8 +1,7 @@
 //! Parameters that ports drive: what they do is what a live parameter does that is set once a gesture frame.
 
 use crate::play::{audited, mat, scene, within};
-use ca_core::live::{Controls, Patch, Refused};
-use ca_core::{Scene, State, compute_forces, integrate, tick};
+use ca_core::{Controls, Patch, Refused, Scene, State, compute_forces, integrate, tick};
 
 const STRING: &str = "[STRING]\ns = { n = 24, f = \"110 Hz\", t60 = \"3 s\", m = \"2 g\" }\n[ENX]\nbow = {}\npress = {}\n\
                       [BOW]\nhair = { between = [\"bow\", \"s[3]\"], f = \"pressure\", v0 = \"0.1 m/s\" }\n[FRO]\nfelt = { between = [\"s[0]\", \"s[9]\"], z = \"felt_z\" }\n\
@@ -26,7 +25,7 @@ fn play(scene: &Scene, ticks: u64, mut frame: impl FnMut(&mut State, u64)) -> (S
     let bow = input(scene, "bow");
     for tick in 0..ticks {
         s.input[bow] = 0.2 * tick as f64 / scene.rate;
-        if tick == 0 || (tick - 1).is_multiple_of(u64::from(scene.ratio)) {
+        if tick == 0 || (tick - 1).is_multiple_of(u64::from(scene.rates.ratio)) {
             frame(&mut s, tick);
         }
         compute_forces(scene, &mut s);
@@ -42,7 +41,7 @@ fn a_port_does_what_a_live_parameter_does() {
     let by_port = audited(&format!("{FELT}{DRIVEN}{STRING}"));
     let by_name = scene(&format!("{FELT}{LIVE}{STRING}"));
     assert_eq!(by_port.live.params.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["felt_z"]);
-    assert_eq!((by_port.live.driven[0].port.as_str(), by_port.layout.driven[0].rows), ("press", 2));
+    assert_eq!((by_port.live.driven[0].port.as_str(), by_port.layout.ports.driven[0].rows), ("press", 2));
     let press = input(&by_port, "press");
     let damp = |controls: &mut Controls, s: &mut State, frame: u32, tick: u64| {
         if tick == 8001 {
@@ -53,14 +52,14 @@ fn a_port_does_what_a_live_parameter_does() {
     let mut controls = by_port.controls();
     let (s, sound) = play(&by_port, 48_000, |s, tick| {
         s.input[press] = 0.02 * pressed(tick);
-        damp(&mut controls, s, by_port.frame, tick);
+        damp(&mut controls, s, by_port.rates.frame, tick);
     });
     let (mut controls, mut patch) = (by_name.controls(), Patch::default());
     let pressure = controls.params().iter().position(|p| p.name == "pressure").expect("live");
     let (_, set) = play(&by_name, 48_000, |s, tick| {
         controls.turn(pressure, pressed(tick), &mut patch).expect("in range");
-        assert!(s.apply(&patch, if tick == 0 { 1 } else { by_name.frame }));
-        damp(&mut controls, s, by_name.frame, tick);
+        assert!(s.apply(&patch, if tick == 0 { 1 } else { by_name.rates.frame }));
+        damp(&mut controls, s, by_name.rates.frame, tick);
     });
     let peak = set.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let apart = sound.iter().zip(&set).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
@@ -80,7 +79,7 @@ fn a_pitch_by_a_port_is_in_tune() {
     };
     let pitch = "[param]\npitch = { port = \"slide\", span = [\"0.1 m\", 0], min = \"80 Hz\", max = \"160 Hz\" }\n";
     let by_port = scene(&text("\"pitch\"", pitch));
-    assert_eq!(by_port.layout.driven[0].rows, 257);
+    assert_eq!(by_port.layout.ports.driven[0].rows, 257);
     let (slide, place) = (input(&by_port, "slide"), mat(&by_port, "c"));
     for at in [0.0, 0.0437, 0.0613, 0.1] {
         let (s, _) = play(&by_port, 100, |s, _| s.input[slide] = at);
@@ -91,7 +90,8 @@ fn a_pitch_by_a_port_is_in_tune() {
             let (p, q) = (s.coef[place], s.coef[n + place]);
             ((1.0 + p + q) / (2.0 * p.sqrt())).acos()
         };
-        let (is, wanted) = (angle(&s, place, by_port.n_mat), angle(&fixed.initial, mat(&fixed, "c"), fixed.n_mat));
+        let (is, wanted) =
+            (angle(&s, place, by_port.counts.n_mat), angle(&fixed.initial, mat(&fixed, "c"), fixed.counts.n_mat));
         let cents = 1200.0 * (is / wanted).log2();
         assert!(cents.abs() < 0.01, "{cents} cents at {at}");
     }
@@ -104,7 +104,7 @@ fn what_a_port_drives_nobody_else_sets() {
     assert_eq!(refused, Err(Refused::Driven("pressure".into(), "press".into())));
     // what is beyond the span, or no number, is held
     let press = input(&by_port, "press");
-    let at = by_port.layout.driven[0].places[0] as usize;
+    let at = by_port.layout.ports.driven[0].places[0] as usize;
     for (x, force) in [(-1.0, 0.0), (1.0, 1.0), (f64::NAN, 0.0), (0.01, 0.5)] {
         let (s, _) = play(&by_port, 40, |s, _| s.input[press] = x);
         let coef = |s: &State| s.coef[by_port.live.coefs[at] as usize];

@@ -15,7 +15,7 @@ fn with(gestures: &str) -> String {
 }
 
 fn points<'s>(scene: &'s Scene, name: &str) -> &'s [[f64; 2]] {
-    &scene.gestures.iter().find(|g| g.0 == name).unwrap_or_else(|| panic!("no gesture `{name}`")).1
+    &scene.about.gestures.iter().find(|g| g.0 == name).unwrap_or_else(|| panic!("no gesture `{name}`")).1
 }
 
 #[test]

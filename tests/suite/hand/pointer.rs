@@ -5,8 +5,7 @@ use super::guard::{Rig, bare};
 use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
 use ca_core::pointer::{Pointer, Refused};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::{Level, Scene, State, compute_forces, integrate};
 use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options as EngineOptions, OwnGesture, Touch, Touched};
 use ca_model::read;
 use ca_tests::long_form::long_form;
@@ -52,7 +51,7 @@ fn a_mass_alone_follows_in_closed_form() {
         tick(&scene, &mut s, &mut pointer);
     }
     let [k, z] = pointer.coupling(&scene, &s);
-    let t = scene.sample_dt;
+    let t = scene.rates.sample_dt;
     let (kappa, nu) = (k * t * t / 3e-3, z * t / 3e-3);
     // x_{n+1} = (2 − κ − ν) x_n − (1 − ν) x_{n−1} about the target
     let (b, c) = (0.5 * (2.0 - kappa - nu), 1.0 - nu);

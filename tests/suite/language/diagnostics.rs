@@ -6,7 +6,7 @@
 //! CONTRIBUTING.md) writes the reports anew; the difference is reviewed like code.
 
 use ca_compile::{Options, load};
-use ca_core::kind::cloud::{Cloud, Unread};
+use ca_core::internal::kind::cloud::{Cloud, Unread};
 use ca_import::mims;
 use ca_model::diag::CODES;
 use ca_model::{Model, render};

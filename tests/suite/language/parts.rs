@@ -2,8 +2,8 @@
 
 use crate::play::{scene, within};
 use ca_compile::{Options, load};
-use ca_core::io::midi::MidiSource;
-use ca_core::kind::cloud::Unread;
+use ca_core::internal::io::midi::MidiSource;
+use ca_core::internal::kind::cloud::Unread;
 use ca_core::{Scene, tick};
 use ca_model::diag::Diags;
 use ca_model::{Model, Value, part, read, render, write};
@@ -106,7 +106,7 @@ fn instances_play_what_is_written_by_hand() {
     assert_eq!(a.len(), b.len());
     let apart = a.iter().zip(&b).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
     assert_eq!(apart, 0, "other bits");
-    assert_eq!(parts.n_lia, hand.n_lia);
+    assert_eq!(parts.counts.n_lia, hand.counts.n_lia);
 }
 
 #[test]
@@ -388,7 +388,7 @@ fn a_probe_of_many_instances_is_one_of_each() {
     let (model, _) = found(NOTES, &[]);
     let options = Options { probes: vec!["note[*].hammer".into(), "note[1..3].s[2]".into()], ..Options::default() };
     let scene = ca_compile::compile(&model, &catalog(), &options).expect("a scene").scene;
-    let names: Vec<&str> = scene.probe_names.iter().map(|n| &**n).collect();
+    let names: Vec<&str> = scene.names.probe_names.iter().map(|n| &**n).collect();
     let want = ["note[0].hammer", "note[1].hammer", "note[2].hammer", "note[1].s[2]", "note[2].s[2]"];
-    assert_eq!((names, &*scene.probe_of), (want.to_vec(), &[0, 0, 0, 1, 1][..]));
+    assert_eq!((names, &*scene.names.probe_of), (want.to_vec(), &[0, 0, 0, 1, 1][..]));
 }

@@ -82,5 +82,5 @@ fn findings_move_no_cursor() {
     let all = render::text(&diags, &model, false);
     assert!(all.contains("E003") && !all.contains('\u{1b}'), "{all:?}");
     let titled = scene("[model]\ntitle = \"a\\u001b[2J\"\n[CEL]\nb = { m = 1, f = 9 }\n[SOX]\no = { from = 'b' }\n");
-    assert_eq!(titled.scene.title, "a\u{fffd}[2J");
+    assert_eq!(titled.scene.about.title, "a\u{fffd}[2J");
 }

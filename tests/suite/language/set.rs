@@ -72,7 +72,7 @@ fn what_is_set_is_checked_like_what_is_written() {
         assert!(m.set(name, text));
         finish(&m, found, &catalog(), &Options::default()).map_err(|d| d.list[0].code)
     };
-    assert_eq!(compiled("ball.bar.m", "2 g").map(|s| s.n_mat), Ok(1));
+    assert_eq!(compiled("ball.bar.m", "2 g").map(|s| s.counts.n_mat), Ok(1));
     assert_eq!(compiled("ball.bar.m", "2 Hz").err(), Some("E008"));
     assert_eq!(compiled("ball.bar.mm", "2").err(), Some("E004"));
     assert_eq!(compiled("ball.bar.m", "-1").err(), Some("E009"));

@@ -17,12 +17,12 @@ fn a_plectrum_lets_go_once_per_passage() {
             let u = (n % passage) as f64 / passage as f64;
             let up = (n / passage).is_multiple_of(2);
             s.input[0] = 6e-3 * (u - 0.5) * if up { 1.0 } else { -1.0 };
-            let (held, last) = (s.mem[0], s.mem[1]);
+            let (held, last) = (s.links.mem[0], s.links.mem[1]);
             tick(&scene, &mut s);
-            releases += u32::from(held == 1.0 && s.mem[0] == 0.0);
-            if held == 0.0 && s.mem[0] == 1.0 {
+            releases += u32::from(held == 1.0 && s.links.mem[0] == 0.0);
+            if held == 0.0 && s.links.mem[0] == 1.0 {
                 takes += 1;
-                assert!(last * s.mem[1] <= 0.0, "it takes hold where it passes the reed, not before");
+                assert!(last * s.links.mem[1] <= 0.0, "it takes hold where it passes the reed, not before");
             }
         }
         assert_eq!((takes, releases), (4, 4), "4 passages of {seconds} s");
@@ -44,9 +44,9 @@ fn passages(more: &str, x: &str) -> (u32, f64) {
         let t = i as f64 / n as f64;
         // up and down twice, about the reed
         s.input[0] = -3e-3 * (TURN * 2.0 * t).cos();
-        let held = s.mem[0];
+        let held = s.links.mem[0];
         tick(&scene, &mut s);
-        takes += u32::from(held == 0.0 && s.mem[0] == 1.0);
+        takes += u32::from(held == 0.0 && s.links.mem[0] == 1.0);
         far = far.max(s.ledger.as_ref().map_or(0.0, |l| l.balance().residual.abs() / l.balance().peak.max(1e-9)));
     }
     (takes, far)

@@ -3,8 +3,7 @@
 
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{TURN, audited, mat, off, rel_l2, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;
@@ -78,7 +77,7 @@ fn a_block_slides_and_stops() {
                 tolerance + 2.0 * (v0 / v).powi(2),
             );
             // the secant trembles on, ever less
-            let tremor = f * scene.sample_dt / (4.0 * m * 46e3);
+            let tremor = f * scene.rates.sample_dt / (4.0 * m * 46e3);
             within("at rest", (s.d[i] * scene.rate).abs(), tremor);
             within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
         }
@@ -191,7 +190,7 @@ fn shared_friction_only_takes() {
             tick(&scene, &mut s);
             let ledger = s.ledger.as_ref().expect("a ledger");
             if n > 0 {
-                assert!(ledger.h <= last + 1e-12 * ledger.peak, "{dim}, {v0}: {} after {last}", ledger.h);
+                assert!(ledger.h <= last + 1e-12 * ledger.extremes.peak, "{dim}, {v0}: {} after {last}", ledger.h);
             }
             last = ledger.h;
         }
@@ -221,7 +220,7 @@ fn a_table_that_drives_is_cut_to_what_resists() {
             tick(&scene, &mut s);
             let ledger = s.ledger.as_ref().expect("a ledger");
             if n > 0 {
-                assert!(ledger.h <= last + 1e-13 * ledger.peak);
+                assert!(ledger.h <= last + 1e-13 * ledger.extremes.peak);
             }
             last = ledger.h;
         }
@@ -297,7 +296,7 @@ fn a_block_on_a_belt_sticks_and_slips_as_by_hand() {
         s.input[0] = v * f64::from(n) / scene.rate;
         let before = s.x[block] - s.x[belt];
         tick(&scene, &mut s);
-        let sticks = s.mem[0] != 0.0;
+        let sticks = s.links.mem[0] != 0.0;
         if sticks && stuck {
             far = far.max((s.x[block] - s.x[belt] - before).abs());
         }
@@ -314,12 +313,12 @@ fn a_block_on_a_belt_sticks_and_slips_as_by_hand() {
     // from the first whole period on
     let from = changes.iter().position(|c| c.1 && c.0 > 9600).expect("it sticks again");
     let turns = &changes[from..from + 2 * ((changes.len() - from - 1) / 2) + 1];
-    let mean = |all: Vec<f64>| all.iter().sum::<f64>() / all.len() as f64 * scene.sample_dt;
+    let mean = |all: Vec<f64>| all.iter().sum::<f64>() / all.len() as f64 * scene.rates.sample_dt;
     let period = mean(turns.windows(3).step_by(2).map(|w| f64::from(w[2].0 - w[0].0)).collect());
     let sticks = mean(turns.windows(2).step_by(2).map(|w| f64::from(w[1].0 - w[0].0 - 1)).collect());
     assert!(turns.len() > 60);
     within("period of stick and slip", off(period, slip + stick), 1e-3);
-    within("time of stick, in ticks", (sticks - stick).abs() / scene.sample_dt, 1.01);
+    within("time of stick, in ticks", (sticks - stick).abs() / scene.rates.sample_dt, 1.01);
     within("16 ms and 28.3154 ms", off(stick, 16e-3).max(off(slip + stick, 28.3154e-3)), 1e-5);
     let s = s.ledger.expect("a ledger");
     within("energy", s.balance().residual.abs() / s.balance().peak, 1e-12);
@@ -458,13 +457,13 @@ fn what_rests_at_load_sticks() {
     within("let go", off(far(&weighed(0.0499, "")), -1.0), 1e-3);
     within("on its way", off(far(&weighed(0.06, ", v = -1e-6")), -1.0), 1e-3);
     let still = scene(&weighed(0.06, ""));
-    assert_eq!(still.initial.mem[0], 1.0);
+    assert_eq!(still.initial.links.mem[0], 1.0);
     within("its first tick", still.initial.d[mat(&still, "h.b")].abs(), 1e-18);
     // takes of before were played from a start that slides
     let (model, _) = ca_model::read::read(&weighed(0.06, ""), "old.ca.toml", &catalog());
     let older = |arithmetic| {
         let options = ca_compile::Options { arithmetic, ..ca_compile::Options::default() };
-        ca_compile::compile(&model, &catalog(), &options).expect("it compiles").initial.mem[0]
+        ca_compile::compile(&model, &catalog(), &options).expect("it compiles").initial.links.mem[0]
     };
     assert_eq!([Some(4), Some(5), None].map(older), [0.0, 1.0, 1.0]);
 }
@@ -476,7 +475,7 @@ fn stacked_blocks_creep_and_are_not_called_proven() {
                 curve = \"coulomb\", f = 1.0, method = \"set-valued\" }\ns = { between = [\"b\", \"a\"], curve = \"coulomb\", f = 0.6, method = \
                 \"set-valued\" }\n[SOX]\no = { from = \"b\" }\n";
     let shared = scene(text);
-    assert_eq!((shared.certificate.level, &shared.certificate.decides[..]), (Level::RuleOfThumb, "r"));
+    assert_eq!((shared.certificate.level, &shared.certificate.rules.decides[..]), (Level::RuleOfThumb, "r"));
     assert_eq!(shared.findings.list.iter().filter(|d| d.code == "W118").count(), 2, "{}", shared.findings);
     let mut s = shared.state();
     for _ in 0..48_000 {

@@ -2,8 +2,7 @@
 
 use crate::methods::stable::{bounce, heat, made, only_falls, ran};
 use crate::play::{Random, audited, case, mat, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{State, tick};
+use ca_core::{Level, State, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
@@ -86,7 +85,7 @@ proptest! {
             let scene = audited(&text);
             prop_assert_eq!(scene.certificate.level, Level::Proven);
             let s = only_falls(&scene, 400, room, &text, |s| {
-                assert!(s.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
+                assert!(s.links.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
             });
             let b = s.ledger.as_ref().expect("a ledger").balance();
             prop_assert!(b.scheme_error <= room * b.peak, "{method}: made {:e}\n{text}", b.scheme_error / b.peak);
@@ -148,10 +147,10 @@ fn masses_that_share_a_blow_keep_their_energy() {
             for n in 0..48_000 {
                 tick(&scene, &mut s);
                 let ledger = s.ledger.as_ref().expect("a ledger");
-                struck += usize::from(s.tap.iter().filter(|f| **f < 0.0).count() > 1);
+                struck += usize::from(s.links.tap.iter().filter(|f| **f < 0.0).count() > 1);
                 if n > 0 {
                     worst = worst.max(off(ledger.h, ledger.h0));
-                    assert!(ledger.h <= last + 1e-11 * ledger.peak);
+                    assert!(ledger.h <= last + 1e-11 * ledger.extremes.peak);
                 }
                 last = ledger.h;
             }
@@ -160,7 +159,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
             within("made", made(&s), 1e-11);
             let ledger = s.ledger.as_ref().expect("a ledger").balance();
             within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
-            let at = |i: usize| s.x[mat(&scene, &format!("b{i}"))] + scene.rest[mat(&scene, &format!("b{i}"))];
+            let at = |i: usize| s.x[mat(&scene, &format!("b{i}"))] + scene.places.rest[mat(&scene, &format!("b{i}"))];
             assert!((0..6).all(|i| at(i + 1) > at(i)), "a ball has passed another");
         }
     }
@@ -181,10 +180,10 @@ fn a_ball_in_a_round_box() {
         for n in 0..24_000 {
             tick(&scene, &mut s);
             let ledger = s.ledger.as_ref().expect("a ledger");
-            (0..2).for_each(|i| touched[i] += u32::from(s.tap[i] != 0.0));
+            (0..2).for_each(|i| touched[i] += u32::from(s.links.tap[i] != 0.0));
             if n > 0 {
                 worst = worst.max(off(ledger.h, ledger.h0));
-                assert!(ledger.h <= last + 1e-11 * ledger.peak);
+                assert!(ledger.h <= last + 1e-11 * ledger.extremes.peak);
             }
             last = ledger.h;
         }
@@ -261,20 +260,20 @@ fn the_first_try_is_near_the_root() {
         let n = f64::from(n);
         for e in -60..=60 {
             let x = 10f64.powf(0.37 + 0.5 * f64::from(e));
-            let near = ca_core::numeric::quarter_root(x, n) / x.powf(4.0 / n);
+            let near = ca_core::internal::numeric::quarter_root(x, n) / x.powf(4.0 / n);
             within("a root by bits", (near - 1.0).abs(), 0.125);
         }
         for s in [1e-9, 0.3, 1.0, 7.0] {
             for a in [1e-7, 0.1, 1.0, 50.0] {
                 let p = 0.25 * n;
-                let mean = ca_core::numeric::quarter_mean(s, a, n);
+                let mean = ca_core::internal::numeric::quarter_mean(s, a, n);
                 let should_be = if s == a { p * a.powf(p - 1.0) } else { (s.powf(p) - a.powf(p)) / (s - a) };
                 within("a mean slope", off(mean, should_be), 1e-13);
             }
             let next = f64::from_bits(s.to_bits() + 1);
             within(
                 "of neighbours",
-                off(ca_core::numeric::quarter_mean(next, s, n), 0.25 * n * s.powf(0.25 * n - 1.0)),
+                off(ca_core::internal::numeric::quarter_mean(next, s, n), 0.25 * n * s.powf(0.25 * n - 1.0)),
                 1e-13,
             );
         }

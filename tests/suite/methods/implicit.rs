@@ -1,9 +1,8 @@
 //! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, ledgers, and what is heard.
 
 use crate::play::{Random, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
-use ca_core::numeric::ldl::Pattern;
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::numeric::ldl::Pattern;
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
@@ -221,7 +220,8 @@ fn ledgers_balance_and_forces_are_whole() {
             }
             let d = s.d[free];
             tick(scene, &mut s);
-            let heard = |name: &str| s.output[scene.channel_names.iter().position(|c| c == name).expect("a channel")];
+            let heard =
+                |name: &str| s.output[scene.names.channel_names.iter().position(|c| c == name).expect("a channel")];
             // only the damper acts on `free`: what is heard of it is what moved it
             within("force on a mass", (heard("free_f") - 2.0 * (s.d[free] - d)).abs(), 1e-9);
             within("force of a link", (heard("heard") + heard("free_f")).abs(), 1e-9);
@@ -232,7 +232,7 @@ fn ledgers_balance_and_forces_are_whole() {
         within("not explained", b.residual.abs() / b.peak, 1e-11);
         // only at the port, which goes another way than it went, is something made
         for (name, made) in
-            (0..scene.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?".into()), ledger.scheme_error[l]))
+            (0..scene.counts.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?".into()), ledger.scheme_error[l]))
         {
             within(&format!("made by {name}"), made.abs() / b.peak, if name == "grip" { 1e-2 } else { 1e-11 });
         }
@@ -271,7 +271,7 @@ fn a_group_has_a_method() {
                 along = \"z\", method = \"ca\" }\n[SOX]\nout = { from = \"a.c\", along = \"x\" }\n";
     let scene = scene(text);
     assert_eq!(scene.certificate.level, Level::Proven);
-    let codes: Vec<_> = scene.forces.iter().map(|o| o.name).collect();
+    let codes: Vec<_> = scene.passes.forces.iter().map(|o| o.name()).collect();
     assert_eq!(codes, ["RES", "REF implicit", "REF implicit", "implicit"]);
     let network = ca_compile::linear(&crate::play::model(text), &catalog(), &ca_compile::Options::default());
     let network = network.expect("it compiles");
@@ -327,7 +327,7 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
     let tied = "tie = { between = [\"p5\", \"p12\"], k = 1e-200, method = \"implicit\" }\n";
     let (row, solved) = (audited(&mixed("")), audited(&mixed(tied)));
     let plain = with(&mixed(""), &ca_compile::Options { energy: true, ..reference() });
-    let passes = |s: &Scene| s.forces.iter().map(|o| (o.name, o.n)).collect::<Vec<_>>();
+    let passes = |s: &Scene| s.passes.forces.iter().map(|o| (o.name(), o.n)).collect::<Vec<_>>();
     assert_eq!(passes(&row)[..2], [("REF implicit", 31), ("implicit pairs", 6)]);
     assert_eq!(
         passes(&solved)[..4],
@@ -355,8 +355,8 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
 #[test]
 fn pay_only_for_what_is_used() {
     let s = scene(&bob("k = 1, z = 0.1"));
-    assert!(s.layout.implicit.is_none() && s.state().implicit.is_empty());
-    assert!(s.forces.iter().all(|o| !o.name.starts_with("implicit")));
+    assert!(s.layout.implicit.is_none() && s.state().links.implicit.is_empty());
+    assert!(s.passes.forces.iter().all(|o| !o.name().starts_with("implicit")));
     let s = scene(&cell("k = 1e9, method = \"implicit\""));
     assert!(s.layout.implicit.is_none(), "a cell needs no matrix");
 }

@@ -2,8 +2,7 @@
 
 use crate::play::{PI, apart, audited, model, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, tick};
+use ca_core::{Level, Scene, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
@@ -54,7 +53,7 @@ fn exact(a: f64, z: f64, i: usize, ticks: usize) -> Vec<f64> {
 /// Outputs of so many ticks, one row each.
 fn play(scene: &Scene, ticks: usize) -> Vec<Vec<f64>> {
     let mut s = scene.state();
-    let mut all = vec![Vec::with_capacity(ticks); scene.n_out];
+    let mut all = vec![Vec::with_capacity(ticks); scene.counts.n_out];
     for _ in 0..ticks {
         tick(scene, &mut s);
         all.iter_mut().zip(&s.output).for_each(|(column, v)| column.push(*v));
@@ -80,9 +79,9 @@ fn a_string_is_exact() {
         }
         // modes beyond half the rate are not there, so only what is left is compared
         assert!(
-            scene.left_out.iter().any(|l| l.contains("above half the sound rate")) == (a > 9.0),
+            scene.about.left_out.iter().any(|l| l.contains("above half the sound rate")) == (a > 9.0),
             "{:?}",
-            scene.left_out
+            scene.about.left_out
         );
     }
     // the explicit scheme is far off, and diverges where modes do not

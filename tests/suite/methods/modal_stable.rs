@@ -3,8 +3,7 @@
 
 use crate::methods::stable::{made, only_falls, ran};
 use crate::play::{apart, audited, rel_l2, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, tick};
+use ca_core::{Level, Scene, tick};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -199,7 +198,7 @@ fn what_loses_only_loses() {
 fn nothing_is_paid_without() {
     let with = |contact: &str| scene(&string("modal", &hammer("h", 7, -1e-2, "BUT", contact)));
     let explicit = with("k = 0.01");
-    assert!(explicit.solved_modal.is_empty() && explicit.couplings.is_empty());
+    assert!(explicit.places.solved_modal.is_empty() && explicit.hand.couplings.is_empty());
     assert!(!ran(&explicit).iter().any(|name| name.starts_with("modes ")), "{:?}", ran(&explicit));
     let elsewhere: Lines = vec![
         ("SOL", "w = {}\n".into()),
@@ -207,7 +206,7 @@ fn nothing_is_paid_without() {
         ("BUT", "hit = { between = [\"w\", \"m\"], k = 1, method = \"stable\" }\n".into()),
     ];
     let elsewhere = scene(&string("modal", &elsewhere));
-    assert!(elsewhere.solved_modal.is_empty(), "{:?}", elsewhere.solved_modal);
+    assert!(elsewhere.places.solved_modal.is_empty(), "{:?}", elsewhere.places.solved_modal);
     let single = with("k = 0.01, method = \"stable\"");
-    assert!(single.solved_modal.len() == 1 && single.couplings.is_empty());
+    assert!(single.places.solved_modal.len() == 1 && single.hand.couplings.is_empty());
 }

@@ -4,9 +4,8 @@ use crate::laws::references::{duffing, pluck};
 use crate::play::{TURN, apart, mat, model, off, scene, within};
 use ca_compile::analysis::modes::modes;
 use ca_compile::{Options, compile};
-use ca_core::method::pefrl::{LIMIT, explicit};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::method::pefrl::{LIMIT, explicit};
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 
 const HEAD: &str = "[model]\nmethod = \"pefrl\"\n";
@@ -167,7 +166,7 @@ fn energy_does_not_drift() {
     let scene = hard();
     let (mut s, i) = (scene.state(), mat(&scene, "bob"));
     let energy = |s: &State| {
-        let (x, v) = (s.x[i], s.d[i] / scene.sample_dt);
+        let (x, v) = (s.x[i], s.d[i] / scene.rates.sample_dt);
         0.5 * v * v + 500.0 * x * x + 7500.0 * x.powi(4) + 9.81 * x
     };
     let start = energy(&s);
@@ -211,13 +210,13 @@ fn two_ways_to_write_it() {
     // what is not finite is refused once a tick, however many kicks there are
     s.input[0] = f64::NAN;
     tick(&pushed, &mut s);
-    assert_eq!(s.refused, 1);
+    assert_eq!(s.ports.refused, 1);
 }
 
 /// The passes of a model that goes by it, and of one that does not.
 #[test]
 fn only_who_asks_has_it() {
-    let names = |text: &str| scene(text).moves.iter().map(|o| o.name).collect::<Vec<_>>();
+    let names = |text: &str| scene(text).passes.moves.iter().map(|o| o.name()).collect::<Vec<_>>();
     let [text, _] = oscillators(1.0);
     let all = names(&text);
     let count = |name: &str| all.iter().filter(|n| **n == name).count();

@@ -3,20 +3,20 @@
 use crate::play::{Random, audited, case, list, mat, num, off, reference, scene, with, within};
 use ca_benches::rattle::{fares, page};
 use ca_compile::Options;
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::scene::same_since;
+use ca_core::{Level, Scene, State, tick};
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
 pub fn heat(scene: &Scene, s: &State) -> f64 {
     let ledger = s.ledger.as_ref().expect("a ledger");
-    (0..scene.n_lia).map(|i| ledger.lost[i]).sum()
+    (0..scene.counts.n_lia).map(|i| ledger.lost[i]).sum()
 }
 
 /// Largest |energy made| by a link, over the scale of the ledger.
 pub fn made(s: &State) -> f64 {
     let ledger = s.ledger.as_ref().expect("a ledger");
-    ledger.scheme_error.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.peak
+    ledger.scheme_error.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.extremes.peak
 }
 
 /// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the ledger
@@ -28,7 +28,7 @@ pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: im
         tick(scene, &mut s);
         let ledger = s.ledger.as_ref().expect("a ledger");
         assert!(
-            ledger.h.is_finite() && (n == 0 || ledger.h <= last + room * ledger.peak),
+            ledger.h.is_finite() && (n == 0 || ledger.h <= last + room * ledger.extremes.peak),
             "{} after {last}\n{text}",
             ledger.h
         );
@@ -41,7 +41,7 @@ pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: im
 }
 
 pub fn ran(scene: &Scene) -> Vec<&'static str> {
-    scene.forces.iter().map(|o| o.name).collect()
+    scene.passes.forces.iter().map(|o| o.name()).collect()
 }
 
 /// A mass between two walls, T = 1, a = k.
@@ -76,9 +76,9 @@ fn c04_near_rigid_walls() {
         let h0 = 0.5 * s.d[i] * s.d[i];
         let (mut worst, mut bounces) = (0.0f64, 0);
         for _ in 0..steps {
-            let x = s.x[i] + scene.rest[i];
+            let x = s.x[i] + scene.places.rest[i];
             tick(&scene, &mut s);
-            let y = s.x[i] + scene.rest[i];
+            let y = s.x[i] + scene.places.rest[i];
             worst = worst.max(off(0.5 * s.d[i] * s.d[i] + 0.5 * (u(x) + u(y)), h0));
             if y > 25.3 - 11.1 && s.d[i] > 0.0 {
                 s.d[i] = -s.d[i];
@@ -174,10 +174,14 @@ fn a_damper_only_takes() {
                         tick(&scene, &mut s);
                         let ledger = s.ledger.as_ref().expect("a ledger");
                         if n > 0 {
-                            assert!(ledger.h <= last + 1e-12 * ledger.peak, "{what}: {} after {last}", ledger.h);
+                            assert!(
+                                ledger.h <= last + 1e-12 * ledger.extremes.peak,
+                                "{what}: {} after {last}",
+                                ledger.h
+                            );
                         }
                         last = ledger.h;
-                        pull = s.tap.iter().fold(pull, |m, f| m.max(*f));
+                        pull = s.links.tap.iter().fold(pull, |m, f| m.max(*f));
                     }
                     let ledger = s.ledger.as_ref().expect("a ledger");
                     assert!(sticky || pull == 0.0, "{what}: pulls with {pull}");
@@ -221,7 +225,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
         for n in 0..48_000 {
             tick(&scene, &mut s);
             let ledger = s.ledger.as_ref().expect("a ledger");
-            struck += usize::from(s.tap.iter().filter(|f| **f < 0.0).count() > 1);
+            struck += usize::from(s.links.tap.iter().filter(|f| **f < 0.0).count() > 1);
             if n > 0 {
                 worst = worst.max(off(ledger.h, ledger.h0));
             }
@@ -237,7 +241,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
 
 fn at(scene: &Scene, s: &State, i: usize) -> f64 {
     let m = mat(scene, &format!("b{i}"));
-    s.x[m] + scene.rest[m]
+    s.x[m] + scene.places.rest[m]
 }
 
 /// What contacts hold that let go together falls over some ticks; below 1e-200 J it is nothing, and so is their force, which a take
@@ -246,17 +250,17 @@ fn at(scene: &Scene, s: &State, i: usize) -> f64 {
 fn contacts_that_let_go_together_hold_nothing_at_last() {
     let text = "[CEL]\nc = { m = 0.007, f = 822, t60 = 0.7, x = 0.012, v = 0.25 }\n[MAS]\na = { m = '10 g', x = 0.016, v = -1.23 }\nb = { m = '1.7 g', x = 0.020, v = -1.2 }\n[BUT]\nk3 = { between = ['c', 'a'], d = '1.6 mm', k = 12000, z = 3, method = 'stable3d' }\n[HRZ]\nk4 = { between = ['a', 'b'], d = '3.1 mm', k = '33000 N/m^1.5', h = 0.01, method = 'stable3d' }\n[SOX]\no = { from = 'a' }\n";
     let scene = scene(text);
-    assert_eq!(scene.same_since(), 4);
+    assert_eq!(same_since(&scene), 4);
     let (mut s, mut held) = (scene.state(), 0);
     for n in 0..480 {
         tick(&scene, &mut s);
         // ψ of each, behind which is the heat of the tick
-        for psi in s.mem.iter().step_by(2) {
+        for psi in s.links.mem.iter().step_by(2) {
             held += usize::from(*psi > 1e-3);
             assert!(*psi == 0.0 || psi * psi > 1e-210, "tick {n}: {psi:e}");
         }
     }
-    assert!(held > 0 && s.mem.iter().step_by(2).all(|psi| *psi == 0.0), "{held} {:?}", s.mem);
+    assert!(held > 0 && s.links.mem.iter().step_by(2).all(|psi| *psi == 0.0), "{held} {:?}", s.links.mem);
 }
 
 #[test]
@@ -281,7 +285,7 @@ fn held_from_more_sides_than_it_has_axes() {
     for n in 0..48_000 {
         tick(&scene, &mut s);
         let ledger = s.ledger.as_ref().expect("a ledger");
-        touched += usize::from(s.tap.iter().any(|f| *f != 0.0));
+        touched += usize::from(s.links.tap.iter().any(|f| *f != 0.0));
         if n > 0 {
             worst = worst.max(off(ledger.h, ledger.h0));
         }
@@ -351,7 +355,7 @@ fn the_method_follows_the_geometry() {
         let names = ran(&scene);
         let place = |n: &str| names.iter().position(|m| *m == n).unwrap_or_else(|| panic!("no {n} in {names:?}"));
         assert!(place("BUT") < place("BUT stable") && place("RES") < place("BUT stable"));
-        let known: Vec<_> = (0..scene.n_lia).filter_map(|i| scene.audited_name(i)).collect();
+        let known: Vec<_> = (0..scene.counts.n_lia).filter_map(|i| scene.audited_name(i)).collect();
         assert_eq!(known.len(), 5);
         for name in ["t", "u", "x", "y", "z"] {
             assert!(known.contains(&Cow::Borrowed(name)), "{known:?}");

@@ -53,7 +53,7 @@ pub fn play(name: &str, probes: &[&str]) -> Heard {
     let scene = scene(&model, probes);
     let reported = scene.findings.list.iter().any(|d| d.code.starts_with('W'));
     assert!(!reported, "{}", render::text(&scene.findings, &model, false));
-    let heard = perform(model, &scene, None, scene.seconds.expect("a model says how long it sounds"));
+    let heard = perform(model, &scene, None, scene.about.seconds.expect("a model says how long it sounds"));
     let level = heard.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
     assert!((-12.0..=-0.5).contains(&level), "{name} peaks at {level:.2} dBFS");
     heard
@@ -68,22 +68,22 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
     let mut p = Performance::new(scene, gesture).unwrap();
     assert!(gesture.is_some() || p.duration() <= seconds, "the gesture is longer than the sound");
     let n = (seconds * scene.rate) as usize;
-    let mut out = vec![Vec::with_capacity(n); scene.n_out];
+    let mut out = vec![Vec::with_capacity(n); scene.counts.n_out];
     for _ in 0..n {
         p.tick();
         out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
     }
-    assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{}: diverged", scene.title);
+    assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{}: diverged", scene.about.title);
     // the ledgers balance, and contacts and hard springs are soft enough for the scheme to make next to no energy
     let ledger = p.state.ledger.as_ref().unwrap().balance();
     let (open, made) = (ledger.residual.abs() / ledger.peak, ledger.scheme_error.abs() / ledger.peak);
     assert!(
         ledger.peak == 0.0 || (open < 1e-9 && made < 0.02),
         "{}: open {open:e}, made {made:e} {}",
-        scene.title,
+        scene.about.title,
         ledger.scheme_error
     );
-    let probe = out.split_off(scene.channels);
+    let probe = out.split_off(scene.counts.channels);
     Heard { model, rate: scene.rate, sound: out, probe }
 }
 
@@ -103,7 +103,7 @@ impl Heard {
     /// The points [s, SI] of the model's own gesture of a port.
     pub fn gesture(&self, port: &str) -> Vec<(f64, f64)> {
         let scene = scene(&self.model, &[]);
-        let found = scene.gestures.iter().find(|g| g.0 == port).unwrap_or_else(|| panic!("no gesture of {port}"));
+        let found = scene.about.gestures.iter().find(|g| g.0 == port).unwrap_or_else(|| panic!("no gesture of {port}"));
         found.1.iter().map(|p| (p[0], p[1])).collect()
     }
     /// The numbers of a parameter as written, in SI.
@@ -147,7 +147,8 @@ impl Heard {
 /// that begins.
 pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
     let moved = |name: &str| ports.iter().find(|p| p.0 == name).map(|p| p.1.to_vec());
-    let still = scene.gestures.iter().filter(|g| moved(&g.0).is_none()).map(|g| (g.0.as_str(), vec![(0.0, g.1[0][1])]));
+    let still =
+        scene.about.gestures.iter().filter(|g| moved(&g.0).is_none()).map(|g| (g.0.as_str(), vec![(0.0, g.1[0][1])]));
     let tracks = ports.iter().map(|p| (p.0, p.1.to_vec())).chain(still);
     Gesture::new(tracks.map(|(name, points)| Track::points(name, points).unwrap()).collect()).unwrap()
 }

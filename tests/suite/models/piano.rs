@@ -277,7 +277,8 @@ const LINKS: [&[&str]; 6] = [
 /// Where the energy of a finger went [J], as `ROWS` says.
 fn account(f: &Finger) -> [f64; ROWS.len()] {
     let ledger = f.engine.state.ledger.as_ref().expect("the ledger is kept");
-    let hand = f.scene.tgr.iter().position(|p| f.scene.inputs[p.input as usize].name == "key[0].key").expect("the key");
+    let hand =
+        f.scene.ports.tgr.iter().position(|p| f.scene.inputs[p.input as usize].name == "key[0].key").expect("the key");
     let (received, given) = (ledger.hands[hand].received, ledger.hands[hand].given);
     // the ledger of the border and the forces on the wire, which are of single precision, agree
     assert!((f.work / given - 1.0).abs() < 1e-6, "the finger worked {} J, the ledger says {given} J", f.work);

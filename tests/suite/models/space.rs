@@ -21,7 +21,7 @@ impl<'a> Motion<'a> {
         let rest = names.iter().map(|n| {
             let symbol = scene.symbols.iter().find(|s| s.name == *n).unwrap_or_else(|| panic!("no `{n}`"));
             let Location::Mat(at) = symbol.location else { panic!("`{n}` is a link") };
-            [0, 1, 2].map(|k| scene.rest[at as usize + k])
+            [0, 1, 2].map(|k| scene.places.rest[at as usize + k])
         });
         Motion { rest: rest.collect(), heard }
     }

@@ -5,7 +5,7 @@ use super::heard::{file_names, load};
 use crate::acoustics::{db, peak};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
-use ca_core::io::midi::MidiSource;
+use ca_core::internal::io::midi::MidiSource;
 use ca_io::gesture::{Gesture, GestureFormat, PortMap};
 use ca_io::perform::Performance;
 use ca_tests::catalog;
@@ -62,12 +62,12 @@ fn play(scene: &Scene, events: &[(f64, [u8; 3])], seconds: f64) -> Vec<Vec<f64>>
         scene.inputs.iter().filter_map(|i| Some(PortMap { port: i.name.clone(), map: i.midi? })).collect();
     let played = Gesture::read(GestureFormat::Midi, &midi(events), &ports, None).expect("it is MIDI");
     let mut p = Performance::new(scene, Some(&played)).unwrap();
-    let mut out = vec![Vec::new(); scene.channels];
+    let mut out = vec![Vec::new(); scene.counts.channels];
     for _ in 0..(seconds * scene.rate) as usize {
         p.tick();
         out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
     }
-    assert!(!p.diverged, "{}: diverged", scene.title);
+    assert!(!p.diverged, "{}: diverged", scene.about.title);
     out
 }
 
@@ -127,7 +127,7 @@ fn scene(name: &str) -> Scene {
 
 /// The keys that some port listens to, the lowest of each.
 fn keys(scene: &Scene) -> BTreeSet<u8> {
-    let low = |m: ca_core::io::midi::MidiMap| match m.source {
+    let low = |m: ca_core::internal::io::midi::MidiMap| match m.source {
         MidiSource::Note { low, .. } => Some(low),
         _ => None,
     };

@@ -1,7 +1,7 @@
 //! Files in and out through the public interface: what one part writes the other reads, independent libraries agree,
 //! and no content of any file ends the process. `PROPTEST_CASES=100000` makes a long search of it.
 
-use ca_core::io::midi::{MidiMap, MidiSource};
+use ca_core::internal::io::midi::{MidiMap, MidiSource};
 use ca_io::FileErrorKind;
 use ca_io::gesture::{Gesture, GestureFormat, PortMap};
 use ca_io::probe::ProbeOut;

@@ -23,7 +23,7 @@ fn imported(text: &str) -> (Scene, Vec<String>) {
 fn ours(scene: &Scene, played: Played) -> Heard {
     let mut s = scene.state();
     let ports: Vec<usize> = played.iter().map(|(name, _)| scene.input(name).expect("a port")).collect();
-    let mut heard = vec![Vec::with_capacity(SECOND); scene.channels];
+    let mut heard = vec![Vec::with_capacity(SECOND); scene.counts.channels];
     for n in 0..SECOND {
         for (port, (_, values)) in ports.iter().zip(played) {
             s.input[*port] = values[n];

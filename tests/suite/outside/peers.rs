@@ -111,7 +111,7 @@ fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
         (s.x[i], s.d[i]) = (*x, *d);
     }
     let ports: Vec<usize> = played.iter().map(|(name, _)| scene.input(name).expect("a port")).collect();
-    let mut heard = vec![Vec::with_capacity(SECOND); scene.channels];
+    let mut heard = vec![Vec::with_capacity(SECOND); scene.counts.channels];
     for n in 0..SECOND {
         for (port, (_, values)) in ports.iter().zip(played) {
             s.input[*port] = values[n];

@@ -37,7 +37,7 @@ fn play(scene: &Scene, points: &[(f64, f64)], seconds: f64) -> Vec<Vec<f64>> {
     let gesture = Gesture::new(vec![Track::points("in1", points.to_vec()).unwrap()]).unwrap();
     let mut p = Performance::new(scene, Some(&gesture)).unwrap();
     let n = (seconds * scene.rate) as usize;
-    let mut out = vec![Vec::with_capacity(n); scene.channels];
+    let mut out = vec![Vec::with_capacity(n); scene.counts.channels];
     for _ in 0..n {
         p.tick();
         for (o, v) in out.iter_mut().zip(&p.state.output) {

@@ -68,7 +68,7 @@ fn what_is_expected_follows_from_the_tables() {
 #[test]
 fn stiff_links_are_beyond_the_limit() {
     let text = stiffened(1);
-    assert!(crate::play::scene(&text).certificate.level == ca_core::scene::certificate::Level::Proven);
+    assert!(crate::play::scene(&text).certificate.level == ca_core::Level::Proven);
     let bare = text.replace(", method = \"implicit\", theta = 0.25", "");
-    assert!(crate::play::scene(&bare).certificate.level == ca_core::scene::certificate::Level::Unstable);
+    assert!(crate::play::scene(&bare).certificate.level == ca_core::Level::Unstable);
 }

@@ -4,8 +4,8 @@
 
 use ca_benches::costs::page::{HEAD, proof};
 use ca_benches::costs::rows;
-use ca_core::kind::Type;
-use ca_core::phi::implicit::{OF_GROUP, OF_MODEL};
+use ca_core::Type;
+use ca_core::internal::phi::implicit::{OF_GROUP, OF_MODEL};
 use std::collections::BTreeSet;
 
 const PAGE: &str = include_str!("../../../docs/measured/costs.md");

@@ -3,9 +3,8 @@
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::state::Unknown;
-use ca_core::{Scene, State, tick};
+use ca_core::internal::state::Unknown;
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 use faer::c64;
 
@@ -13,7 +12,7 @@ const GESTURE: &str = "rate = \"gesture\"\nborder = \"compensated\"";
 
 /// One gesture frame.
 fn frame(scene: &Scene, s: &mut State) {
-    (0..scene.ratio).for_each(|_| tick(scene, s));
+    (0..scene.rates.ratio).for_each(|_| tick(scene, s));
 }
 
 /// A mass in a group and one at the sound rate that a wall holds; the link between them is a straight line that is not of a linear kind.
@@ -102,7 +101,7 @@ fn growth(text: &str, name: &str, w: f64, seconds: usize) -> f64 {
     let scene = scene(text);
     let at = mat(&scene, name);
     let mut s = scene.state();
-    let rate = scene.rate / f64::from(scene.ratio);
+    let rate = scene.rate / f64::from(scene.rates.ratio);
     let n = rate as usize;
     let part = |s: &mut State| {
         let mut sum = c64::new(0.0, 0.0);
@@ -152,13 +151,13 @@ fn only_what_is_unknown_is_not_proven() {
     let unknown = scene(&straight());
     assert_eq!(unknown.certificate.level, Level::NotProven);
     assert!(unknown.findings.list.iter().any(|d| d.code == "W107" && d.title.contains("compensated")));
-    assert!(unknown.slow.as_ref().is_some_and(|g| g.compensated));
+    assert!(unknown.rates.slow.as_ref().is_some_and(|g| g.compensated));
     let known = two("REF", "k = \"5 kN/m\", z = 1");
     let exact = scene(&known.replace("border = \"compensated\"\n", ""));
     let known = scene(&known);
     assert_eq!((known.certificate.level, known.findings.list.len()), (Level::Proven, 0));
     assert_eq!(known.identity(), exact.identity());
-    assert!(known.slow.as_ref().is_some_and(|g| !g.compensated));
+    assert!(known.rates.slow.as_ref().is_some_and(|g| !g.compensated));
     assert!(known.state().slow.is_some_and(|s| s.unknown.is_empty()));
 }
 
@@ -183,7 +182,7 @@ fn a_contact_comes_to_what_it_is_at_the_sound_rate() {
         };
         let heard = (0..2400).map(|_| one()).collect();
         let ledger = s.ledger.expect("kept");
-        (heard, (ledger.border / ledger.balance().peak).abs())
+        (heard, (ledger.groups.border / ledger.balance().peak).abs())
     };
     let (sound, nothing) = heard(&text("rate = \"sound\""));
     assert!(nothing == 0.0 && sound.iter().any(|v| v.abs() > 0.01));
@@ -239,7 +238,7 @@ fn momentum_is_kept() {
     for _ in 0..300 {
         frame(&scene, &mut s);
     }
-    let frame = f64::from(scene.ratio) / scene.rate;
+    let frame = f64::from(scene.rates.ratio) / scene.rate;
     let big = s.slow.as_ref().expect("a group").state.d[0] / frame;
     let small = s.d[mat(&scene, "small")] * scene.rate;
     assert!(small < -1.0, "{small} m/s: they met");
@@ -317,11 +316,11 @@ of_pipe = { from = "pipe[0]" }
 fn the_ledger_counts_what_the_border_makes() {
     for rate in ["", "oversample = 2", "gesture = \"6 kHz\""] {
         let scene = audited(&format!("[rate]\n{rate}\n{ALL}"));
-        let group = scene.slow.as_ref().expect("a group");
+        let group = scene.rates.slow.as_ref().expect("a group");
         assert!(group.compensated);
         let [shake, push] = ["shake", "push"].map(|n| scene.inputs.iter().position(|i| i.name == n).expect(n));
         let mut s = scene.state();
-        let per = scene.ratio as usize;
+        let per = scene.rates.ratio as usize;
         let (mut open, mut made, mut least) = (0.0_f64, 0.0, 0.0_f64);
         let mut sums = vec![0.0; group.coupled];
         for n in 0..24_000 {
@@ -335,9 +334,9 @@ fn the_ledger_counts_what_the_border_makes() {
             }
             let ports = || slow.ports.iter().take(group.coupled);
             if n > 0 && (n - 1) % per == 0 {
-                within("what the border made", (ledger.border - made).abs(), 1e-12 * ledger.balance().peak);
+                within("what the border made", (ledger.groups.border - made).abs(), 1e-12 * ledger.balance().peak);
                 let half: f64 =
-                    ports().zip(&before).map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.frame)).sum();
+                    ports().zip(&before).map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.rates.frame)).sum();
                 if n > 1 {
                     open = open.max((ledger.under_way() - half).abs());
                 }
@@ -357,10 +356,10 @@ fn the_ledger_counts_what_the_border_makes() {
         let ledger = s.ledger.as_ref().expect("kept");
         let b = ledger.balance();
         assert!(b.work.abs() > 1e-6 && b.lost > 1e-4 && b.peak > 0.02, "{b:?}: nothing happened");
-        assert!(ledger.border.abs() > 1e-9 * b.peak, "{} J is no account", ledger.border);
+        assert!(ledger.groups.border.abs() > 1e-9 * b.peak, "{} J is no account", ledger.groups.border);
         assert!(scene.oversample() > 1 || least > 1e-6 * b.peak);
         within("residual", b.residual.abs() / b.peak, 1e-12);
-        within("one tick", ledger.worst / b.peak, 1e-13);
+        within("one tick", ledger.extremes.worst / b.peak, 1e-13);
         within("left at the border", open / b.peak, 1e-12);
     }
 }

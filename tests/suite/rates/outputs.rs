@@ -2,7 +2,8 @@
 
 use crate::play::{PI, TURN, apart, mat, reference, scene, with, within};
 use ca_compile::{Options, load};
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
+use ca_core::internal::scene::same_since;
 use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 
@@ -85,7 +86,7 @@ fn many_outputs_of_a_channel_are_summed_in_lanes() {
             let size: f64 = values.iter().map(|v| v.abs()).sum();
             within("beside the sum one by one", (sum - values.iter().sum::<f64>()).abs(), 1e-15 * size);
         }
-        assert_eq!(scene.same_since(), 1, "what was played one by one is compared to a tolerance");
+        assert_eq!(same_since(&scene), 1, "what was played one by one is compared to a tolerance");
     }
 }
 
@@ -130,7 +131,7 @@ fn outputs_with_and_without_a_high_pass_share_a_channel() {
     within("superposed", apart(&sum(&plain, &both), &sum(&first, &second)), 1e-17);
     assert!(apart(&first, &second) > 1e-6 && apart(&plain, &both) > 1e-6);
     // the order of the file does not matter
-    assert_eq!(text("", ", dc = 30").blockers.len(), 1);
+    assert_eq!(text("", ", dc = 30").out.blockers.len(), 1);
 }
 
 fn through_free(scene: &Scene, n: usize) -> Vec<f64> {
@@ -148,8 +149,8 @@ fn several_ears_and_forces_have_a_high_pass_each() {
                 [SOX]\nall = { from = \"low[*]\", channel = 0, dc = 7 }\n\
                 [SOF]\nbridge = { from = \"low.link[0]\", channel = 1, dc = 7 }\n";
     let scene = scene(text);
-    assert_eq!((scene.blockers.len(), scene.state().blocked.len()), (6, 6));
-    let names: Vec<_> = scene.writes.iter().map(|o| (o.name, o.n)).collect();
+    assert_eq!((scene.out.blockers.len(), scene.state().ports.blocked.len()), (6, 6));
+    let names: Vec<_> = scene.passes.writes.iter().map(|o| (o.name(), o.n)).collect();
     assert_eq!(names, [("outputs", 0), ("high pass", 6)]);
     // a steady push bends the string; nothing of that is heard for long
     let mut s = scene.state();
@@ -169,9 +170,14 @@ fn several_ears_and_forces_have_a_high_pass_each() {
 fn what_is_not_asked_for_is_not_there() {
     let (plain, off) = (wire("", ""), wire("", ", dc = 0"));
     for s in [&plain, &off] {
-        assert_eq!(s.writes.iter().map(|o| o.name).collect::<Vec<_>>(), ["outputs"]);
+        assert_eq!(s.passes.writes.iter().map(|o| o.name()).collect::<Vec<_>>(), ["outputs"]);
         let state = s.state();
-        assert!(state.blocked.is_empty() && state.lowpass.is_empty() && s.lowpass.is_empty() && s.blockers.is_empty());
+        assert!(
+            state.ports.blocked.is_empty()
+                && state.ports.lowpass.is_empty()
+                && s.out.lowpass.is_empty()
+                && s.out.blockers.is_empty()
+        );
     }
 }
 
@@ -184,8 +190,8 @@ fn filters_are_part_of_the_state() {
     tick(&scene, &mut s);
     let bits = s.bits();
     let (mut a, mut b) = (s.clone(), s.clone());
-    a.blocked[0][1] += 1e-9;
-    b.lowpass[3] += 1e-9;
+    a.ports.blocked[0][1] += 1e-9;
+    b.ports.lowpass[3] += 1e-9;
     assert!(a.bits() != bits && b.bits() != bits && a.bits() != b.bits());
 }
 
@@ -198,7 +204,7 @@ fn bessel(x: f64) -> f64 {
 fn a_low_pass_is_the_one_it_says() {
     for (rate, edge) in [(48_000.0, 18_000.0), (96_000.0, 20_000.0), (44_100.0, 20_000.0), (48_000.0, 500.0)] {
         let scene = wire(&format!("sound = {rate}\nfilter = {edge}"), "");
-        let n = 2 * scene.lowpass.len() - 1;
+        let n = 2 * scene.out.lowpass.len() - 1;
         let what = format!("low-pass {edge} Hz of {rate}");
         let h = impulse(&scene, n + 3);
         assert!(h[n..].iter().all(|y| *y == 0.0), "{what}: {n} coefficients");
@@ -236,7 +242,7 @@ fn every_channel_is_filtered_and_no_probe() {
     let text =
         "[rate]\nfilter = \"18 kHz\"\n[ENX]\nin = {}\n[SOX]\na = { from = \"in\" }\nb = { from = \"in\", gain = -3 }\n";
     let probed = crate::play::with(text, &ca_compile::Options { probes: vec!["in".into()], ..Default::default() });
-    let n = probed.lowpass.len() - 1;
+    let n = probed.out.lowpass.len() - 1;
     let mut s = probed.state();
     let mut heard = Vec::new();
     for t in 0..100u32 {
@@ -270,7 +276,7 @@ fn a_pickup_hears_speed_acceleration_force_and_differences() {
         };
         let scene = load(&text, "m.ca.toml", &ca_tests::catalog(), &options).1.unwrap().scene;
         let mut s = scene.state();
-        let first = scene.channels;
+        let first = scene.counts.channels;
         let mut last: Option<(f64, f64, f64)> = None;
         for n in 0..2000 {
             let before = [mat(&scene, "bar"), mat(&scene, "other")].map(|m| s.d[m]);

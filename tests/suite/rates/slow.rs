@@ -3,8 +3,7 @@
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 
 /// A mass in a group and one at the sound rate, joined, the second held by a wall.
@@ -51,7 +50,7 @@ seen = { from = "body.d", along = "z" }
 
 /// A hand that moves, read as a frame begins.
 fn move_hand(scene: &Scene, s: &mut State) {
-    if s.tick == 0 || (s.tick - 1).is_multiple_of(u64::from(scene.ratio)) {
+    if s.tick == 0 || (s.tick - 1).is_multiple_of(u64::from(scene.rates.ratio)) {
         let t = s.tick as f64 / scene.rate;
         for (k, x) in s.input.iter_mut().enumerate() {
             *x = 0.02 * (20.0 * t * (k + 1) as f64).sin();
@@ -62,7 +61,7 @@ fn move_hand(scene: &Scene, s: &mut State) {
 /// The energy of the two masses at the end of a frame that nothing changes (docs/numerics.md §5.4), from positions and motion
 /// alone: the mass of the group by its own scheme, the others as they are with the border where it is.
 fn energy(scene: &Scene, s: &State, [small, border]: [usize; 2], big: f64, k: f64) -> f64 {
-    let (t, frame) = (1.0 / scene.rate, f64::from(scene.ratio) / scene.rate);
+    let (t, frame) = (1.0 / scene.rate, f64::from(scene.rates.ratio) / scene.rate);
     let d = s.slow.as_ref().expect("a group").state.d[0];
     let (x, v, border) = (s.x[small], s.d[small] / t, s.x[border]);
     let at = x - s.d[small];
@@ -95,18 +94,18 @@ fn e05_two_masses_across_the_rates_keep_their_energy() {
 
 /// How far the force that the border believed of each frame is from the mean of those of its ticks, against the largest.
 fn unforeseen(scene: &Scene) -> f64 {
-    let group = scene.slow.as_ref().expect("a group");
+    let group = scene.rates.slow.as_ref().expect("a group");
     let mut s = scene.state();
     let (mut sums, mut worst, mut size) = (vec![0.0; group.coupled], 0.0_f64, 0.0_f64);
     for n in 0..24_000 {
         move_hand(scene, &mut s);
         tick(scene, &mut s);
         let slow = s.slow.as_ref().expect("its state");
-        let last = n % scene.ratio == 0;
+        let last = n % scene.rates.ratio == 0;
         for (k, (sum, port)) in sums.iter_mut().zip(&slow.ports).enumerate() {
             *sum += if last { 0.5 * port.force } else { port.force };
             if last {
-                let mean = *sum / f64::from(scene.ratio);
+                let mean = *sum / f64::from(scene.rates.ratio);
                 if n > 0 {
                     worst = worst.max((mean - slow.state.input[k]).abs());
                     size = size.max(mean.abs());
@@ -124,7 +123,7 @@ fn unforeseen(scene: &Scene) -> f64 {
 fn the_force_of_a_frame_is_known_as_it_begins() {
     for rate in ["", "gesture = \"1 kHz\"", "gesture = \"48 kHz\"", "latency = 2"] {
         let scene = scene(&format!("[rate]\n{rate}\n{BODY}"));
-        let group = scene.slow.as_ref().expect("a group");
+        let group = scene.rates.slow.as_ref().expect("a group");
         assert_eq!((group.coupled, group.links, group.masses), (5, 6, 4));
         within("mean force of a frame", unforeseen(&scene), 1e-12);
     }
@@ -163,7 +162,7 @@ fn beyond_the_reach_of_a_frame_there_may_be_anything() {
 fn the_ledger_closes_over_both_rates() {
     for rate in ["", "oversample = 2", "gesture = \"6 kHz\""] {
         let scene = audited(&format!("[rate]\n{rate}\n{BODY}"));
-        let group = scene.slow.as_ref().expect("a group");
+        let group = scene.rates.slow.as_ref().expect("a group");
         let mut s = scene.state();
         let (mut open, mut peak) = (0.0_f64, 0.0);
         for n in 0..48_000_u64 {
@@ -171,9 +170,9 @@ fn the_ledger_closes_over_both_rates() {
             let before: Vec<f64> = s.slow.as_ref().expect("its state").ports.iter().map(|p| p.force).collect();
             tick(&scene, &mut s);
             let (slow, ledger) = (s.slow.as_ref().expect("its state"), s.ledger.as_ref().expect("kept"));
-            if scene.oversample() == 1 && n > 1 && (n - 1) % u64::from(scene.ratio) == 0 {
+            if scene.oversample() == 1 && n > 1 && (n - 1) % u64::from(scene.rates.ratio) == 0 {
                 let half = slow.ports.iter().zip(&before).take(group.coupled);
-                let half: f64 = half.map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.frame)).sum();
+                let half: f64 = half.map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.rates.frame)).sum();
                 open = open.max((ledger.under_way() - half).abs());
             }
             peak = ledger.balance().peak;
@@ -182,7 +181,7 @@ fn the_ledger_closes_over_both_rates() {
         let b = ledger.balance();
         assert!(b.work > 0.5 && b.lost > 0.5 && peak > 1.0, "{b:?}: nothing happened");
         within("residual", b.residual.abs() / b.peak, 1e-12);
-        within("one tick", ledger.worst / b.peak, 1e-13);
+        within("one tick", ledger.extremes.worst / b.peak, 1e-13);
         within("left at the border", open / peak, 1e-12);
     }
 }
@@ -234,11 +233,11 @@ fn a_string_in_a_group_has_its_pitch() {
         "[slow]\nrate = \"gesture\"\n[slow.STRING]\nlow = { n = 10, f = \"40 Hz\", m = \"1 kg\" }\n[MAS]\nbob = { m = \"1 g\", dx0 \
          = \"1 mm\" }\n[RES]\ntie = { between = [\"slow.low[4]\", \"bob\"], k = 10 }\n[SOX]\nout = { from = \"slow.low[2]\" }\n",
     );
-    let group = scene.slow.as_ref().expect("a group");
+    let group = scene.rates.slow.as_ref().expect("a group");
     assert_eq!((group.masses, group.links, group.coupled, group.ports.len()), (10, 11, 1, 2));
     // sin(πfT) = √(kT²/m) sin(π/22)
     let slow = &scene.state().slow.expect("its state").state;
-    let c = slow.coef[2 * group.layout.n_mat + group.ports[0].own as usize];
+    let c = slow.coef[2 * group.layout.counts.n_mat + group.ports[0].own as usize];
     let k = slow.coef[group.forces.iter().find(|op| op.law.is_some()).expect("links").coef];
     let f = ((k * c).sqrt() * (std::f64::consts::PI / 22.0).sin()).asin() * 3000.0 / std::f64::consts::PI;
     within("pitch", off(f, 40.0), 1e-12);
@@ -271,9 +270,10 @@ fn a_scene_without_slow_groups_has_nothing_of_them() {
     let text = two("sound", "0.2 kg", "k = 5000");
     let (with, without) = (scene(&text), scene(&text.replace("rate = \"sound\"\n", "")));
     assert_eq!(with.identity(), without.identity());
-    assert!(with.slow.is_none() && with.state().slow.is_none());
-    let group =
-        |scene: &Scene| scene.reads.iter().chain(&scene.forces).filter(|o| o.name.starts_with("gesture")).count();
+    assert!(with.rates.slow.is_none() && with.state().slow.is_none());
+    let group = |scene: &Scene| {
+        scene.passes.reads.iter().chain(&scene.passes.forces).filter(|o| o.name().starts_with("gesture")).count()
+    };
     assert_eq!((group(&with), group(&scene(&text.replace("sound", "gesture")))), (0, 2));
 }
 

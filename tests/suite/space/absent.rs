@@ -5,31 +5,35 @@ use ca_compile::Options;
 use ca_core::Scene;
 
 fn passes(s: &Scene) -> Vec<&'static str> {
-    [&s.reads[..], s.summed(), &s.writes, &s.moves].into_iter().flatten().map(|o| o.name).collect()
+    [&s.passes.reads[..], s.passes.summed(), &s.passes.writes, &s.passes.moves]
+        .into_iter()
+        .flatten()
+        .map(|o| o.name())
+        .collect()
 }
 
 /// The length of every array that only some scenes need.
 fn arrays(s: &Scene) -> [usize; 17] {
     let t = s.state();
     let (few, many) = (&s.layout, &t);
-    let touches = usize::from(many.touches != ca_core::state::ActiveContacts::default());
+    let touches = usize::from(many.links.touches != ca_core::internal::state::ActiveContacts::default());
     [
-        few.onto.len(),
-        few.reach.len(),
-        few.pair_sets.len(),
-        few.moving_points.len(),
-        few.enx.len(),
-        few.enf.len(),
-        few.tgr.len(),
+        few.links.onto.len(),
+        few.links.reach.len(),
+        few.links.pair_sets.len(),
+        few.places.moving_points.len(),
+        few.ports.enx.len(),
+        few.ports.enf.len(),
+        few.ports.tgr.len(),
         few.weighed.len(),
-        few.blockers.len(),
-        few.lowpass.len(),
-        many.cells.len(),
-        many.near.len(),
-        many.border.len(),
-        many.late.len(),
-        many.blocked.len(),
-        many.lowpass.len(),
+        few.out.blockers.len(),
+        few.out.lowpass.len(),
+        many.links.cells.len(),
+        many.links.near.len(),
+        many.ports.border.len(),
+        many.ports.late.len(),
+        many.ports.blocked.len(),
+        many.ports.lowpass.len(),
         touches,
     ]
 }
@@ -54,8 +58,8 @@ fn what_nobody_hears_leaves_nothing_behind() {
     assert_eq!(passes(&full), passes(&plain));
     assert_eq!(arrays(&full), [0; 17]);
     assert_eq!(
-        (full.n_mat, full.n_lia, full.n_coef, full.n_tap),
-        (plain.n_mat, plain.n_lia, plain.n_coef, plain.n_tap)
+        (full.counts.n_mat, full.counts.n_lia, full.counts.n_coef, full.counts.n_tap),
+        (plain.counts.n_mat, plain.counts.n_lia, plain.counts.n_coef, plain.counts.n_tap)
     );
     // and where it is heard, all of it is there
     let heard = with(

@@ -2,7 +2,7 @@
 //! state, and that a point which is put elsewhere feels no blow.
 
 use crate::play::{mat, scene, within};
-use ca_core::op::Vectors;
+use ca_core::internal::op::Vectors;
 use ca_core::{Scene, State, tick};
 
 const FS: f64 = 48e3;
@@ -71,7 +71,7 @@ fn a_state_that_is_put_back_goes_on_to_the_bit() {
     assert_eq!(on(kept.clone()), first);
     // what is kept is part of it
     let mut other = kept.clone();
-    other.lengths[0] *= 1.0 + 1e-9;
+    other.links.lengths[0] *= 1.0 + 1e-9;
     assert!(other.bits() != kept.bits() && on(other) != first);
 }
 
@@ -87,10 +87,10 @@ fn all_vectors_play_the_same_bits() {
         );
         let bits = |vectors: Vectors, rows: bool| {
             let mut scene = scene(&text).scene;
-            assert!(scene.layout.rows.iter().any(|r| *r >= 8), "rows are found");
+            assert!(scene.layout.links.rows.iter().any(|r| *r >= 8), "rows are found");
             scene.layout.vectors = vectors;
             if !rows {
-                scene.layout.rows.fill(-1);
+                scene.layout.links.rows.fill(-1);
             }
             let mut s = scene.state();
             (0..500).for_each(|_| tick(&scene, &mut s));

@@ -90,7 +90,7 @@ fn miss(c: &Value, fs: f64) -> f64 {
     let mut sum = 0.0;
     for row in &kept {
         (0..ticks).for_each(|_| tick(&scene, &mut s));
-        sum += places.iter().zip(row).map(|(p, x)| (scene.rest[*p] + s.x[*p] - x).powi(2)).sum::<f64>();
+        sum += places.iter().zip(row).map(|(p, x)| (scene.places.rest[*p] + s.x[*p] - x).powi(2)).sum::<f64>();
     }
     sum / (kept.len() * places.len() / 3) as f64
 }

@@ -2,9 +2,8 @@
 
 use crate::play::{audited, scene, with};
 use ca_compile::Options;
-use ca_core::live::Patch;
-use ca_core::state::Identity;
-use ca_core::{Scene, State, compute_forces, integrate, process, tick};
+use ca_core::internal::state::scene_of;
+use ca_core::{Identity, Patch, Scene, State, compute_forces, integrate, process, tick};
 use ca_haptic::engine::{Change, Engine, EngineCommand, Port, Retired};
 use ca_tests::{KEY, profile, setup, texts};
 use std::collections::BTreeMap;
@@ -99,7 +98,7 @@ fn an_engine_takes_only_what_is_of_its_scene() {
 #[test]
 fn a_block_holds_whole_rows() {
     let two = bob("1", "1000");
-    assert_eq!(two.n_out, 2);
+    assert_eq!(two.counts.n_out, 2);
     let mut s = two.state();
     let before = s.clone();
     for n in [1, 3, 7] {
@@ -115,7 +114,7 @@ fn a_block_holds_whole_rows() {
     let silent =
         scene("[MAS]\nbob = { m = 1 }\n[ENX]\nhand = {}\n[RES]\nhold = { between = [\"hand\", \"bob\"], k = 1 }\n");
     let mut s = silent.state();
-    assert!(silent.n_out == 0 && process(&silent, &mut s, &mut [0.0; 3]) && s.tick == 3);
+    assert!(silent.counts.n_out == 0 && process(&silent, &mut s, &mut [0.0; 3]) && s.tick == 3);
 }
 
 /// The same model is the same scene whenever it is compiled, so that a snapshot outlives the scene it was taken of.
@@ -133,7 +132,7 @@ fn the_same_model_is_the_same_scene() {
     assert!(c.apply(&patch, 10));
     // a change is no other scene
     tick(&again, &mut c);
-    assert_eq!(c.scene, again.identity());
+    assert_eq!(scene_of(&c), again.identity());
 }
 
 /// No two of all models have one identity, with and without what a caller asks for; each is that of its own states.
@@ -150,7 +149,7 @@ fn every_model_is_a_scene_of_its_own() {
         assert_eq!(both.identity(), plain.identity(), "{name}");
         assert_eq!(both.audited.map(|s| s.identity()), Some(heard.identity()), "{name}");
         for s in [&plain, &heard] {
-            assert!(s.identity() != Identity::default() && s.state().scene == s.identity(), "{name}");
+            assert!(s.identity() != Identity::default() && scene_of(&s.state()) == s.identity(), "{name}");
             let numbers = s.state();
             let size = numbers.x.len() + numbers.coef.len();
             if let Some((other, n)) = seen.insert(format!("{:?}", s.identity()), (name.clone(), size)) {

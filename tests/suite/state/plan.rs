@@ -3,10 +3,9 @@
 
 use crate::play::{audited, reference, scene, with};
 use ca_compile::Options;
-use ca_core::numeric::Precision;
-use ca_core::scene::{PLAN_VERSION, PlanError};
-use ca_core::state::checksum;
-use ca_core::{ARITHMETIC, Catalog, Scene, State, tick};
+use ca_core::internal::scene::{modules, same_since};
+use ca_core::internal::state::checksum;
+use ca_core::{ARITHMETIC, Catalog, PLAN_VERSION, PlanError, Precision, Scene, State, tick};
 use ca_tests::long_form::long_form;
 use ca_tests::{KEY, catalog, gesture, texts};
 use proptest::prelude::*;
@@ -39,7 +38,7 @@ fn same(name: &str, scene: &Scene) {
     assert_eq!(again.state(), scene.state(), "{name}");
     assert_eq!(again.certificate, scene.certificate, "{name}");
     assert_eq!((&again.symbols, &again.inputs), (&scene.symbols, &scene.inputs), "{name}");
-    assert_eq!((again.same_since(), again.fused), (scene.same_since(), scene.fused), "{name}");
+    assert_eq!((same_since(&again), again.passes.fused), (same_since(&scene), scene.passes.fused), "{name}");
     let (a, b) = (play(scene, scene.state(), TICKS), play(&again, again.state(), TICKS));
     assert!(a.0 == b.0, "{name} sounds otherwise");
     assert_eq!(a.1.bits(), b.1.bits(), "{name}");
@@ -254,7 +253,7 @@ fn survives(record: &[u8], ticks: usize) -> bool {
         (0..ticks).for_each(|_| tick(&scene, &mut s));
     }
     scene.symbols.iter().for_each(|symbol| assert!(!symbol.name.to_string().is_empty() || symbol.name.of.is_empty()));
-    let _ = scene.forces.iter().map(|op| scene.modules(op)).sum::<usize>();
+    let _ = scene.passes.forces.iter().map(|op| modules(&scene, op)).sum::<usize>();
     // generators trust their arguments, which a plan may change
     if scene.live.items.iter().all(|item| item.generator.is_none()) {
         let (mut controls, mut s) = (scene.controls(), scene.state());

@@ -2,8 +2,8 @@
 //! snapshot of this scene change nothing, and none makes a tick fail.
 
 use crate::play::{audited, scene};
-use ca_core::state::{NotRestored, SNAPSHOT_VERSION};
-use ca_core::{Scene, State, tick};
+use ca_core::internal::state::SNAPSHOT_VERSION;
+use ca_core::{NotRestored, Scene, State, tick};
 use ca_tests::{KEY, gesture, texts};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

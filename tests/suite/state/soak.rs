@@ -6,8 +6,7 @@
 
 use crate::play::{Random, scene, with, within};
 use ca_compile::Options;
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, tick};
+use ca_core::{Level, Scene, State, tick};
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use proptest::test_runner::TestRunner;
@@ -165,13 +164,13 @@ fn makes_nothing(line: &Line, ticks: u64) {
 
 /// The largest force of a link on a line, as far as its law says.
 fn strongest(scene: &Scene, s: &State) -> f64 {
-    let laws = scene.forces.iter().filter_map(|op| Some((op, op.law?)));
+    let laws = scene.passes.forces.iter().filter_map(|op| Some((op, op.law?)));
     let forces = laws.flat_map(|(op, law)| {
         (0..op.n).map(move |i| {
-            let [a, b] = scene.ends[op.first + i].map(|m| m as usize);
+            let [a, b] = scene.links.ends[op.first + i].map(|m| m as usize);
             let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
-            let mut mem = s.mem[op.mem + i * law.mem..][..law.mem].to_vec();
-            let e = s.x[b] - s.x[a] + scene.e0[op.first + i];
+            let mut mem = s.links.mem[op.mem + i * law.mem..][..law.mem].to_vec();
+            let e = s.x[b] - s.x[a] + scene.links.e0[op.first + i];
             (law.fns.force)(&c, &mut mem, &scene.tables, e, s.d[b] - s.d[a]).abs()
         })
     });
@@ -192,7 +191,7 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
         // what nothing holds drifts away, and the last digit of where it stands is work of each force on it
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
         pull = pull.max(strongest(scene, &s));
-        let room = ROOM * b.peak + n as f64 * f64::EPSILON * far * pull * scene.n_lia as f64;
+        let room = ROOM * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
         assert!(b.h >= -room && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
         // the push of the last tick is entered with the next
         if n > ticks / 4 * 3 + 1 {
@@ -328,8 +327,8 @@ fn rises(scene: &Scene, mut moved: impl FnMut() -> f64, ticks: u64) -> f64 {
     (0..3).for_each(|_| tick(scene, &mut s));
     let rest = held(&s);
     let mut s = scene.state();
-    for i in 0..scene.n_mat {
-        if s.coef[2 * scene.n_mat + i] > 0.0 {
+    for i in 0..scene.counts.n_mat {
+        if s.coef[2 * scene.counts.n_mat + i] > 0.0 {
             s.x[i] += moved();
         }
     }

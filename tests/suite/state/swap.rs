@@ -81,7 +81,7 @@ fn another_version_goes_on_from_where_masses_are_without_a_click() {
     let alone = step(&heard(&mut playing(&first), 200)).max(step(&heard(&mut engine, 200)));
     assert!(step(&all) < 2.0 * alone, "{} {alone}", step(&all));
     // and it has become the other
-    assert_eq!(engine.scene.title, other.title);
+    assert_eq!(engine.scene.about.title, other.about.title);
     assert!(Arc::ptr_eq(&engine.scene, &other));
 }
 

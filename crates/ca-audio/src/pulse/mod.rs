@@ -90,7 +90,7 @@ pub(super) fn open(
     let device = sink.description.as_ref().unwrap_or(&sink.name).to_string_lossy().into_owned();
     let who = PlaybackDevice { host: NAME.into(), device, rate: hz as u32, channels: wide as u16 };
     let at_once = (made.buffer_attr.minimum_request_length / frame).max(1);
-    let (follow, player, watch) = link(scene.channels, scene.ratio, who, at_once);
+    let (follow, player, watch) = link(scene.counts.channels, scene.rates.ratio, who, at_once);
     // until it is measured: what is queued before what is given next, and what the device has
     let queued = made.buffer_attr.target_length.saturating_sub(made.buffer_attr.minimum_request_length) / frame;
     let delay = 1e9 * f64::from(queued) / hz + 1e3 * latency.sink_usec.min(LATEST) as f64;
@@ -120,13 +120,13 @@ fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send 
 /// How many channels the sink is given: one is heard on both sides.
 fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioError> {
     let most = usize::from(sink.channel_map.num_channels());
-    if scene.channels > most {
-        let n = scene.channels;
+    if scene.counts.channels > most {
+        let n = scene.counts.channels;
         return Err(AudioError::Unfit(format!(
             "{NAME} plays {most} channels, and the model has {n} outputs; join some"
         )));
     }
-    Ok(if scene.channels == 1 { most.min(2) } else { scene.channels })
+    Ok(if scene.counts.channels == 1 { most.min(2) } else { scene.counts.channels })
 }
 
 /// The sink that plays what is not sent to another; `None` where there is none.

@@ -45,24 +45,24 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
 /// All of it for programs.
 pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
-    let device = !scene.tgr.is_empty();
+    let device = !scene.ports.tgr.is_empty();
     let keys: Vec<Json> =
         asked(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
     let border = device.then(|| {
         json!({
-            "shape": if scene.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.crossing.latency,
-            "feedback": scene.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
+            "shape": if scene.rates.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.ports.crossing.latency,
+            "feedback": scene.ports.crossing.feedback, "spring_delay_ms": d.spring * 1e3,
             "stiffest_per_friction": d.stiffest(1.0), "keys": keys,
         })
     });
     json!({
-        "gesture_to_force_ms": (device && scene.crossing.feedback).then_some(d.force * 1e3),
+        "gesture_to_force_ms": (device && scene.ports.crossing.feedback).then_some(d.force * 1e3),
         "gesture_to_sound_ms": device.then_some(d.sound * 1e3), "filter_ms": d.filter * 1e3, "border": border,
     })
 }
 
 fn shape(scene: &Scene) -> &'static str {
-    match scene.crossing.shape {
+    match scene.ports.crossing.shape {
         Shape::Linear => "linear",
         Shape::Hold => "hold",
     }
@@ -70,7 +70,7 @@ fn shape(scene: &Scene) -> &'static str {
 
 /// Says so where something was asked of a border that is not there.
 pub(crate) fn idle(source: &Source, scene: &Scene) {
-    if scene.tgr.is_empty() && source.crossing().next().is_some() {
+    if scene.ports.tgr.is_empty() && source.crossing().next().is_some() {
         term::note("the model has no device key (TGR): `--border`, `--latency` and `--no-feedback` change nothing");
     }
 }

@@ -7,7 +7,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
-use ca_core::scene::certificate::Level;
+use ca_core::Level;
 use ca_model::{Model, write};
 use std::io::Write as _;
 use std::path::PathBuf;

@@ -5,8 +5,7 @@
 use crate::args::ListArgs;
 use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
-use ca_core::Catalog;
-use ca_core::kind::{Kind, Role};
+use ca_core::{Catalog, Kind, Role};
 use ca_lab::catalog;
 use ca_model::page::kind;
 use ca_model::page::part as parts;

@@ -97,7 +97,7 @@ pub struct Network {
     pub tick_dt: f64,
     /// ticks in a sample
     pub oversample: u32,
-    /// true where its ticks are those of [`ca_core::method::pefrl`]
+    /// true where its ticks go by the method of [`ca_core::internal::method::pefrl`]
     pub composed: bool,
     /// true where all of it goes by its modes, which the scheme then plays as they are
     pub modal: bool,

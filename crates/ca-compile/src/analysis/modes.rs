@@ -10,7 +10,7 @@
 
 use crate::analysis::linear::{Linear, Network};
 use alloc::vec::Vec;
-use ca_core::method::pefrl::explicit;
+use ca_core::internal::method::pefrl::explicit;
 use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 

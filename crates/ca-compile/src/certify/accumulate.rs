@@ -4,12 +4,13 @@
 //! ([`crate::net::Resolved::limit_ratio`]): `scaled_mobility` is T²/m times that, and everything compared with
 //! 4 goes by it, while rules about one contact go by T²/m itself.
 
+use super::bound::fixed_share;
 use crate::certify::negative::Negative;
 use crate::certify::reach::{Reached, reached};
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::vec::Vec;
-use ca_core::law::Bound;
+use ca_core::Bound;
 
 /// The sums at one MAT, each of h = T²k + 2Tz over T² \[N/m\].
 #[derive(Clone, Copy, Default)]
@@ -96,11 +97,11 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
 
 fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     // an implicit contact is passive whatever it holds, and no part of the linear network; others are judged by rule
-    if l.law.is_staged() || (b.contact && !b.linear) {
+    if !l.law.stage.is_explicit() || (b.contact && !b.linear) {
         return;
     }
     let h = b.h();
-    let sure = b.certain();
+    let sure = fixed_share(b);
     // ends that move: the row of the link at each of them holds so many entries
     let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
     let entries: f64 = l.all_ends().map(|e| if moving(&net.under(e)) { net.reach(e) } else { 0.0 }).sum();

@@ -1,5 +1,6 @@
 //! Which module is to blame, and what would mend it, in numbers an author can type.
 
+use super::bound::explicit;
 use crate::certify::accumulate::{Accumulated, Sums};
 use crate::findings::{round_down, round_up};
 use crate::lower::rates::{CLOCK, FINEST};
@@ -8,8 +9,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::law::Bound;
+use ca_core::{Bound, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, quantity};
 
@@ -61,7 +61,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let (room, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), b.explicit());
+            let (room, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), explicit(b));
             // what one number leaves to the other; below 0 no value of it would do
             let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
             let fix = if b.lift > 0.0 {

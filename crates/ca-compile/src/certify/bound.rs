@@ -2,6 +2,7 @@
 
 use crate::certify::accumulate::{Accumulated, Sums};
 use crate::net::{End, Pruned};
+use ca_core::Bound;
 
 /// What the sums say; the limit is 4.
 pub struct Bounds {
@@ -46,7 +47,19 @@ fn pairs(net: &Pruned, sums: &Accumulated) -> f64 {
     let one = |m: &u32| sums.mats[*m as usize].all * sums.mats[*m as usize].scaled_mobility;
     let alone = sums.mats.iter().map(|s| s.all * s.scaled_mobility).fold(0.0, f64::max);
     // the contacts of a set are judged by rule, and no two of its members are tied
-    let tied = net.lias.iter().filter(|l| l.sets.is_none() && !l.law.is_staged());
+    let tied = net.lias.iter().filter(|l| l.sets.is_none() && l.law.stage.is_explicit());
     let end = |e: End| net.reach(e).max(1.0) * net.under(e).iter().map(one).fold(0.0, f64::max);
     tied.map(|l| l.all_ends().map(end).sum()).fold(alone, f64::max)
+}
+
+/// The part of [`Bound::h`] that a link has wherever its ends are \[N/m\].
+pub(super) fn fixed_share(b: &Bound) -> f64 {
+    // of a curve of friction the slope is one that it has somewhere
+    (if b.curve { b.k } else { b.h() }) - b.loose
+}
+
+/// The explicit link that counts as much as this one.
+pub(super) fn explicit(b: &Bound) -> Bound {
+    let z = if b.centred { 0.0 } else { b.z };
+    Bound { k: b.k - b.lift, z, lift: 0.0, centred: false, ..*b }
 }

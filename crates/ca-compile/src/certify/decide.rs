@@ -6,8 +6,8 @@ use crate::certify::exact::{self, Exact};
 use crate::certify::rules::{creeps, rubs};
 use crate::net::{LiaNode, Pruned};
 use crate::options::Effort;
-use ca_core::law::Bound;
-use ca_core::scene::certificate::{FactorVerdict, Level};
+use ca_core::internal::scene::certificate::FactorVerdict;
+use ca_core::{Bound, Level};
 
 /// What is known.
 pub struct Decision {
@@ -44,7 +44,7 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
     if !(bounds.upper < 4.0 || verdict == FactorVerdict::Stable) || !bounds.covered {
         return Level::NotProven;
     }
-    let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.is_staged());
+    let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.stage.is_explicit());
     if !explicit.clone().all(|(_, b)| b.linear) || net.lias.iter().any(|l| creeps(net, l)) {
         Level::RuleOfThumb
     } else if explicit.any(|(l, _)| l.is_radial()) {
@@ -57,5 +57,8 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
 /// A contact or a friction along a curve that holds something held elsewhere too.
 fn by_rule(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> bool {
     let held = || l.all_ends().flat_map(|e| net.under(e)).any(|m| sums.mats[m as usize].all > 0.0);
-    ((b.contact && (b.k > 0.0 || b.power.0 > 0.0)) || rubs(b)) && l.sets.is_none() && !l.law.is_staged() && held()
+    ((b.contact && (b.k > 0.0 || b.power.0 > 0.0)) || rubs(b))
+        && l.sets.is_none()
+        && l.law.stage.is_explicit()
+        && held()
 }

@@ -4,6 +4,7 @@
 //! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
 //! the points where they are at load, say whether the scene is certainly unstable.
 
+use super::bound::explicit;
 use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
 use crate::certify::accumulate::Sums;
 use crate::certify::blame::{any, faster, span};
@@ -13,9 +14,8 @@ use crate::net::linearisation::Own;
 use crate::net::{LiaNode, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::{Role, Unit};
-use ca_core::law::Bound;
-use ca_core::scene::certificate::{Certificate, FactorVerdict};
+use ca_core::internal::scene::certificate::FactorVerdict;
+use ca_core::{Bound, Certificate, Role, Unit};
 use ca_model::diag::Diag;
 use ca_model::{Model, quantity};
 
@@ -39,12 +39,12 @@ pub struct Exact {
 impl Exact {
     /// The matrix of a network; `None` where nothing moves.
     pub fn new(net: &Pruned, sums: &[Sums], bounds: &[Bound]) -> Option<Exact> {
-        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        let bounds: Vec<Bound> = bounds.iter().map(explicit).collect();
         let bounds = &bounds[..];
         let own: Vec<Own> = sums.iter().map(|s| Own { c: s.scaled_mobility, k: s.k, z: s.z, implicit: 0.0 }).collect();
         let (mut linear, numbers) = dofs(net, &own);
         let whole = links(net, bounds, &numbers, Points::Anywhere, &mut linear, |l, b| {
-            !l.law.is_staged() && (b.linear || !b.contact)
+            l.law.stage.is_explicit() && (b.linear || !b.contact)
         });
         let matrix = StabilityMatrix::new(&linear, |_| 1.0)?;
         let factor = matrix.below(4.0 * (1.0 - ROUNDING));
@@ -81,8 +81,8 @@ impl Exact {
     fn certain(&self, net: &Pruned, bounds: &[Bound]) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);
-        let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
-        let bounds: Vec<Bound> = bounds.iter().map(Bound::explicit).collect();
+        let counts = |l: &LiaNode, b: &Bound| b.linear && l.law.stage.is_explicit();
+        let bounds: Vec<Bound> = bounds.iter().map(explicit).collect();
         links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
         linear
     }

@@ -7,9 +7,9 @@ use crate::certify::rules::method;
 use crate::net::{End, MatRole, Pruned};
 use alloc::string::ToString;
 use alloc::vec::Vec;
-use ca_core::kind::PortRole;
-use ca_core::law::Bound;
-use ca_core::scene::certificate::Key;
+use ca_core::Bound;
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::scene::certificate::Key;
 
 /// Stiffness and viscosity that the links of one item give a key.
 struct Held {

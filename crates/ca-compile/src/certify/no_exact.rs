@@ -2,8 +2,8 @@
 
 use crate::certify::accumulate::Sums;
 use crate::net::{LiaNode, Pruned};
-use ca_core::law::Bound;
-use ca_core::scene::certificate::{Certificate, FactorVerdict};
+use ca_core::internal::scene::certificate::FactorVerdict;
+use ca_core::{Bound, Certificate};
 use ca_model::Model;
 use ca_model::diag::Diag;
 

@@ -9,7 +9,8 @@
 use crate::net::worst::WorstMat;
 use crate::net::{LiaNode, MatNode, MatRole, Measure, Pruned, elongation, linearisation};
 use alloc::vec::Vec;
-use ca_core::law::Bound;
+use ca_core::Bound;
+use ca_core::internal::op::{loaded, started};
 
 /// Steps of each search.
 const STEPS: usize = 60;
@@ -44,10 +45,10 @@ pub struct Reached {
 /// The steepest place of each link within reach; `None` of links with one slope, and of an unknown reach.
 pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<Reached>> {
     let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
-    let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && !l.law.is_staged());
+    let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && l.law.stage.is_explicit());
     let energy = if any { at_load(net, bounds) } else { None };
     let one = |(l, b): (&LiaNode, &Bound)| {
-        if !grows(b) || l.law.is_staged() || net.is_live(l.item) {
+        if !grows(b) || !l.law.stage.is_explicit() || net.is_live(l.item) {
             return None;
         }
         let start = elongation::at_load(net, l)?;
@@ -65,7 +66,7 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
             (None, Some(s)) => ([start - s, start + s], Cause::Stroke),
             (None, None) => return None,
         };
-        let [k, z] = (l.law.steepest)(&law.coefs, &net.tables, between);
+        let [k, z] = (l.law.at_load.steepest)(&law.coefs, &net.tables, between);
         let far = if b.contact { law.depth(between) } else { between[1].max(-between[0]) };
         Some(Reached { k, z, far, cause }).filter(|r| r.k.is_finite() && r.z.is_finite())
     };
@@ -81,14 +82,14 @@ struct Link<'n> {
 
 impl<'n> Link<'n> {
     fn new(net: &'n Pruned, l: &'n LiaNode) -> Link<'n> {
-        let coefs = l.law.loaded(&net.values(l.item, &l.values), net.tick_dt);
+        let coefs = loaded(l.law, &net.values(l.item, &l.values), net.tick_dt);
         Link { net, l, coefs }
     }
 
     /// Its potential at elongation `e` \[J\].
     fn stored(&self, e: f64) -> f64 {
         let c = &self.coefs[..];
-        (self.l.law.fns.energies.stored)(c, &self.l.law.started(c, e), &self.net.tables, e, e)
+        (self.l.law.fns.energies.stored)(c, &started(self.l.law, c, e), &self.net.tables, e, e)
     }
 
     /// The largest change of the elongation from `start` to one side, with this energy \[J\] and mobility T²/m \[m/N\].

@@ -14,9 +14,8 @@ use alloc::format;
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::law::Bound;
-use ca_core::scene::certificate::{Certificate, FactorVerdict, Level};
+use ca_core::internal::scene::certificate::FactorVerdict;
+use ca_core::{Bound, Certificate, Level, Unit};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};
@@ -63,7 +62,7 @@ pub fn report(
     hardening(net, sums, held, (&mut cert, &mut decides));
     methods(model, net, sums, &mut decides, diags);
     if cert.level == Level::RuleOfThumb {
-        cert.decides = decides.name();
+        cert.rules.decides = decides.name();
     }
     devices(model, net, &sums.links, diags);
     cert.keys = keys::keys(net, &sums.links);
@@ -82,7 +81,7 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
         // the link there that weighs most by what it is not everywhere decides
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
         let loose = net.lias.iter().zip(&sums.links).zip(&sums.reached);
-        let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && !l.law.is_staged() && touches(l));
+        let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
         if let Some(((l, b), r)) = loose.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
             let k = quantity::show(round_up(b.h()), Unit::STIFFNESS);
             d = d.at(span(model, net, l.item), format!("decides: as steep as {k}{}", at(r.as_ref())));

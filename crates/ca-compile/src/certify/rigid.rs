@@ -17,8 +17,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::kind::name::Name;
+use ca_core::{Name, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 

@@ -13,12 +13,12 @@
 
 use crate::certify::exact::Exact;
 use crate::net::Pruned;
-use ca_core::scene::certificate::{Certificate, Level};
+use ca_core::{Certificate, Level};
 
 /// The share by which the energy of small motions may rise above what it was at any time before. `None` where nothing
 /// is known of it: an implicit contact keeps the energy of the ledger, and so moves the one that the rest keeps.
 pub fn ripple(net: &Pruned, exact: Option<&Exact>, cert: &Certificate) -> Option<f64> {
-    if cert.level != Level::Linearised || net.is_composed() || net.lias.iter().any(|l| l.law.is_staged()) {
+    if cert.level != Level::Linearised || net.is_composed() || net.lias.iter().any(|l| !l.law.stage.is_explicit()) {
         return None;
     }
     let most = match cert.largest {

@@ -8,12 +8,10 @@ use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::{String, ToString};
-use ca_core::kind::{Type, Unit};
-use ca_core::law::Bound;
-use ca_core::method::friction::STEEPEST;
-use ca_core::op::SolveStage;
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::growth::Growth;
+use ca_core::internal::method::friction::STEEPEST;
+use ca_core::internal::op::SolveStage;
+use ca_core::internal::scene::growth::Growth;
+use ca_core::{Bound, Certificate, Type, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::rounded;
 use ca_model::{Model, quantity};
@@ -56,14 +54,14 @@ pub fn contacts(
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
         let (q, p) = b.power;
-        if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || l.law.is_staged() {
+        if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || !l.law.stage.is_explicit() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
         let (a, closed) = (k * c, (k + 2.0 * z) * c);
         decides.take(l, a.max(0.25 * closed));
-        cert.closed = cert.closed.max(closed);
+        cert.rules.closed = cert.rules.closed.max(closed);
         if closed >= 4.0 && reported.insert(l.item) {
             diags.push(
                 unstable_contact(net, l, [k, z, c], reached.as_ref()).at(span(model, net, l.item), "unstable contact"),
@@ -71,13 +69,13 @@ pub fn contacts(
         }
         if q * c > 0.0 {
             let depth = libm::pow(1.0 / (p * q * c), 1.0 / (p - 1.0));
-            if depth.is_finite() && cert.depth.as_ref().is_none_or(|d| depth < d.1) {
-                cert.depth = Some((l.name.to_string(), depth));
+            if depth.is_finite() && cert.rules.depth.as_ref().is_none_or(|d| depth < d.1) {
+                cert.rules.depth = Some((l.name.to_string(), depth));
             }
         }
-        if a > cert.contact {
-            cert.contact = a;
-            cert.stiffest = l.name.to_string();
+        if a > cert.rules.contact {
+            cert.rules.contact = a;
+            cert.rules.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
             let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
@@ -148,10 +146,10 @@ pub fn frictions(
     diags: &mut Diags,
 ) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && !l.law.is_staged()) {
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, b)| rubs(b) && l.law.stage.is_explicit()) {
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         let steep = b.z * c;
-        cert.friction = cert.friction.max(steep);
+        cert.rules.friction = cert.rules.friction.max(steep);
         decides.take(l, steep / 1.5);
         if steep > 1.5 && reported.insert(l.item) {
             let title = format!(
@@ -181,13 +179,13 @@ pub fn hardening(
 ) {
     let mut open = BTreeSet::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
-        if b.linear || b.contact || b.curve || l.law.is_staged() {
+        if b.linear || b.contact || b.curve || !l.law.stage.is_explicit() {
             continue;
         }
         let c = held(l, b).unwrap_or_else(|| mobility(net, l, &sums.mats));
         decides.take(l, 0.25 * b.h() * c);
         if b.hardens && reached.is_none() && open.insert(l.item) {
-            cert.open.push(net.items[l.item as usize].name.to_string());
+            cert.rules.open.push(net.items[l.item as usize].name.to_string());
         }
     }
 }
@@ -213,7 +211,7 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
 /// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
-    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.is_staged()) {
+    for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
         let together = matches!(l.law.stage, SolveStage::Coupled);
         let d = if creeps(net, l) {
             decides.take(l, 0.0);

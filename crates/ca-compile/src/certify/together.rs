@@ -13,7 +13,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::scene::certificate::Certificate;
+use ca_core::Certificate;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
@@ -31,7 +31,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
     let mut sides: BTreeMap<(u32, u8, bool), Vec<Pressed>> = BTreeMap::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         let Measure::Line(axes) = l.measure else { continue };
-        if !b.contact || l.law.is_staged() || l.sets.is_some() {
+        if !b.contact || !l.law.stage.is_explicit() || l.sets.is_some() {
             continue;
         }
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
@@ -54,7 +54,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         if at < 4.0 || contacts.len() < 2 || c * most.h >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
             continue;
         }
-        cert.closed = cert.closed.max(at);
+        cert.rules.closed = cert.rules.closed.max(at);
         let n = contacts.len();
         let title = format!(
             "`{}` is unstable while its {n} contacts on one side press at once: T²k/m + 2Tz/m is {:.3}, the limit is 4",

@@ -9,12 +9,12 @@ use crate::net::{End, LiaNode, MatNode, MatRole, Measure, Medium, NetItem, Wired
 use alloc::format;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::name::Name;
-use ca_core::kind::{Kind, PortRole, Role};
-use ca_core::mat::MAS;
-use ca_core::phi::REF;
-use ca_core::scene::Coupling;
-use ca_core::tuning::Method;
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::mat::MAS;
+use ca_core::internal::phi::REF;
+use ca_core::internal::scene::Coupling;
+use ca_core::internal::tuning::Method;
+use ca_core::{Kind, Name, Role};
 
 /// Adds the modules of these couplings to the network.
 pub fn couple(net: &mut Wired, couplings: &[Coupling]) {

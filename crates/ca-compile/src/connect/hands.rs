@@ -9,8 +9,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::scene::{Input, InputRole};
+use ca_core::{Input, InputRole, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, Value, quantity};
 

@@ -2,7 +2,7 @@
 
 use crate::net::{End, LiaNode, Measure, Wired};
 use alloc::vec::Vec;
-use ca_core::kind::name::Name;
+use ca_core::Name;
 
 /// The axis a direction runs along, if it is one and points forward.
 fn axis(n: [f64; 3]) -> Option<u8> {

@@ -11,10 +11,10 @@
 //! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
 //! that exist has to stay. A test below says what the table would choose there.
 
-use ca_core::op::links::pair_set;
-use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
-use ca_core::scene::Scene;
-use ca_core::state::Fold;
+use ca_core::Scene;
+use ca_core::internal::op::links::pair_set;
+use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
+use ca_core::internal::state::Fold;
 
 /// A pass: `fixed` and for each module `each`; for links, `fixed_coef` and `each_coef` more for each coefficient of a law.
 #[derive(Clone, Copy)]
@@ -183,14 +183,14 @@ pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
     if op.law.is_some() {
         return links(scene, op);
     }
-    if op.name == BETWEEN {
-        return Some(op.n as f64 * passes(scene, |op| op.name != BETWEEN));
+    if op.name() == BETWEEN {
+        return Some(op.n as f64 * passes(scene, |op| op.name() != BETWEEN));
     }
-    if let ("implicit", Some(links)) = (op.name, &scene.layout.implicit) {
+    if let ("implicit", Some(links)) = (op.name(), &scene.layout.implicit) {
         let beside = links.pattern.numbers() - links.pattern.size();
         return Some(IMPLICIT.at(op.n, 0) + BESIDE * beside as f64);
     }
-    let price = match op.name {
+    let price = match op.name() {
         "integrate MAS" if op.n >= LONG => INTEGRATE_LONG,
         "outputs" if op.pass == Pass::Positions => POSITIONS,
         "outputs" if op.pass == Pass::ManyOutputs => MANY_OUTPUTS,
@@ -208,7 +208,7 @@ pub fn of_tick(scene: &Scene) -> f64 {
 
 /// Of those passes that are `asked` for.
 fn passes(scene: &Scene, asked: impl Fn(&Op) -> bool) -> f64 {
-    let lists = [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves];
+    let lists = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves];
     let asked = lists.into_iter().flatten().filter(|op| asked(op));
     asked.filter_map(|op| Some(CALL + of_pass(scene, op)?)).sum()
 }
@@ -225,9 +225,9 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
         None => return None,
     };
     if let Some(set) = op.ports.pair_set {
-        let (set, start) = (&scene.pair_sets[set], &scene.initial);
+        let (set, start) = (&scene.links.pair_sets[set], &scene.initial);
         let idle = (law.fns.idle)(start.coef.get(op.coef..op.coef + law.coefs)?);
-        let [listed, measured] = pair_set::neighbours(set, &scene.rest, &start.x, idle);
+        let [listed, measured] = pair_set::neighbours(set, &scene.places.rest, &start.x, idle);
         let near = match listed {
             // what contains measures all
             0 if idle.1 < f64::INFINITY => RADIAL.each(law.coefs) * measured as f64,
@@ -237,7 +237,7 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
     }
     let own = if form.integrate == Integrate::Cel { OWN * n as f64 } else { 0.0 };
     let blocks = form.measure == MeasureKind::Radial && form.onto.is_none() && n >= FEWEST && !law.contact;
-    let in_rows = || scene.rows[op.ports.reach..][..n].iter().filter(|row| **row > 0).count();
+    let in_rows = || scene.links.rows[op.ports.reach..][..n].iter().filter(|row| **row > 0).count();
     let less = if blocks { IN_ROWS * in_rows() as f64 } else { 0.0 };
     let (price, extra) = match (form.measure, form.onto) {
         (MeasureKind::Radial, Some(MeasureKind::Line)) => (ONTO, one_by_one),
@@ -258,7 +258,7 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::emit::rows::batches;
-    use ca_core::op::pass::MANY;
+    use ca_core::internal::op::pass::MANY;
 
     /// Coefficients of RES and of REF.
     const LINEAR: [usize; 2] = [1, 2];

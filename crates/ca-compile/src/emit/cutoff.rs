@@ -6,9 +6,9 @@ use crate::net::{OutNode, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::io::Hear;
-use ca_core::kind::Unit;
-use ca_core::op::layout::DcBlocker;
+use ca_core::Unit;
+use ca_core::internal::io::Hear;
+use ca_core::internal::op::layout::DcBlocker;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::show;
 use ca_model::{Model, Span};
@@ -37,7 +37,7 @@ fn moves(o: &OutNode) -> bool {
     matches!(o.hear, Hear::Speed | Hear::Acceleration)
 }
 
-/// Outputs as [`Layout::outputs`](ca_core::op::layout::Layout::outputs) has them: without a high pass, by channel and in each in their
+/// Outputs as [`OutputArrays::outputs`](ca_core::internal::op::layout::OutputArrays::outputs) has them: without a high pass, by channel and in each in their
 /// order, then those of motion, then the same of those with one.
 pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
     let (plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| !is_passed(net, o));

@@ -9,8 +9,9 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::live::{Controls, DrivenParam, LivePlan, Patch};
-use ca_core::op::driven::Driven;
+use ca_core::internal::live::{DrivenParam, LivePlan};
+use ca_core::internal::op::driven::Driven;
+use ca_core::{Controls, Patch};
 use ca_model::diag::{Diag, Diags};
 
 /// Rows of a table of what is not straight: a pitch over an octave is then off by less than 0.01 cents.

@@ -3,7 +3,7 @@
 use crate::emit::plan::Plan;
 use crate::net::{End, MatRole};
 use alloc::vec::Vec;
-use ca_core::live::Loader;
+use ca_core::internal::live::Loader;
 
 /// Where MATs and moving points start, how fast, and where they rest, slot by slot.
 pub struct Masses {

@@ -14,10 +14,11 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::op::Op;
-use ca_core::op::layout::Layout;
-use ca_core::scene::{Order, Start, start};
-use ca_core::state::State;
+use ca_core::State;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::scene::{Order, Start, start};
+use ca_core::internal::state::set_kick;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
@@ -26,12 +27,12 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
         || layout.implicit.is_some()
-        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || l.is_staged()))
+        || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || !l.stage.is_explicit()))
     {
         "another method than `ca`"
     } else if net.oversample > 1 {
         "`oversample`"
-    } else if !layout.waves.delays.is_empty() || !layout.modal.is_empty() {
+    } else if !layout.waves.delays.is_empty() || !layout.places.modal.is_empty() {
         "a waveguide or a set of modes"
     } else {
         return;
@@ -44,11 +45,11 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
 
 /// The state at the first sample, from what is written for the two before.
 pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> State {
-    let n = layout.n_mat;
+    let n = layout.counts.n_mat;
     let mut s = written;
     let delayed: Vec<f64> =
-        (0..n).map(|i| layout.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { 0.0 } else { s.d[i] }).collect();
-    for op in forces.iter().filter(|op| op.name == "weight") {
+        (0..n).map(|i| layout.places.rest[i] + s.x[i] - if s.coef[2 * n + i] == 0.0 { 0.0 } else { s.d[i] }).collect();
+    for op in forces.iter().filter(|op| op.name() == "weight") {
         (op.kernel)(op, layout, &mut s);
     }
     for i in 0..n {
@@ -65,17 +66,17 @@ pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> St
         for i in 0..n {
             trial.d[i] = speed(i);
         }
-        for op in forces.iter().filter(|op| op.law.is_some() || matches!(op.name, "points back" | "modes")) {
+        for op in forces.iter().filter(|op| op.law.is_some() || matches!(op.name(), "points back" | "modes")) {
             (op.kernel)(op, layout, &mut trial);
         }
         trial.f
     };
-    let (right, theirs) = (forces_at(&|i| s.d[i]), forces_at(&|i| layout.rest[i] + s.x[i] + delayed[i]));
+    let (right, theirs) = (forces_at(&|i| s.d[i]), forces_at(&|i| layout.places.rest[i] + s.x[i] + delayed[i]));
     for i in (0..n).filter(|i| s.coef[2 * n + i] != 0.0) {
         s.f[i] = theirs[i] - right[i];
     }
     if let Some(l) = &mut s.ledger {
-        l.kick = s.f.to_vec();
+        set_kick(l, s.f.to_vec());
     }
     s
 }

@@ -6,7 +6,7 @@
 
 use crate::net::{End, Pruned};
 use alloc::vec::Vec;
-use ca_core::kind::Role;
+use ca_core::Role;
 
 /// Storage order.
 pub struct Storage {

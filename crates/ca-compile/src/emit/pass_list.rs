@@ -5,21 +5,25 @@ use crate::emit::plan::Plan;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::op::layout::{Layout, Output, OutputRow, Tap};
-use ca_core::op::{Op, Pass, SolveStage, pass};
+use ca_core::internal::op::layout::{Layout, Output, OutputRow, Tap};
+use ca_core::internal::op::{Op, Pass, SolveStage, pass};
 
 /// Before the forces: ports, the ledger of the tick before, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let kept = layout.ledger.is_some();
-    let points = layout.moving_points.len();
-    let modules = layout.n_mat + layout.n_lia;
-    let modal = layout.modal.len();
+    let points = layout.places.moving_points.len();
+    let modules = layout.counts.n_mat + layout.counts.n_lia;
+    let modal = layout.places.modal.len();
     let list: [(bool, Pass, usize); 10] = [
-        (!layout.enx.is_empty(), Pass::Enx, layout.enx.len()),
-        (!layout.tgr.is_empty(), Pass::DevicesIn(layout.way(), layout.crossing.latency > 0), layout.tgr.len()),
+        (!layout.ports.enx.is_empty(), Pass::Enx, layout.ports.enx.len()),
+        (
+            !layout.ports.tgr.is_empty(),
+            Pass::DevicesIn(layout.way(), layout.ports.crossing.latency > 0),
+            layout.ports.tgr.len(),
+        ),
         (modal > 0, Pass::ModalPorts, modal),
         // the ledger asks whether anything is on its way
-        (!layout.driven.is_empty(), Pass::Driven, layout.driven.iter().map(|d| d.places.len()).sum()),
+        (!layout.ports.driven.is_empty(), Pass::Driven, layout.ports.driven.iter().map(|d| d.places.len()).sum()),
         // and needs the points where the last tick had them
         (kept && points > 0, Pass::Points, points),
         (kept, Pass::Ledger, modules),
@@ -48,14 +52,14 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
     }
     let late = links.split_off(late);
     list.extend(links);
-    if in_space < layout.enf.len() {
-        list.push(enf(in_space, layout.enf.len() - in_space));
+    if in_space < layout.ports.enf.len() {
+        list.push(enf(in_space, layout.ports.enf.len() - in_space));
     }
-    if !layout.moving_points.is_empty() {
-        list.push(Op::pass(Pass::PointsBack, layout.moving_points.len()));
+    if !layout.places.moving_points.is_empty() {
+        list.push(Op::pass(Pass::PointsBack, layout.places.moving_points.len()));
     }
-    if !layout.modal.is_empty() {
-        list.push(Op::pass(Pass::Modes, layout.modal.len()));
+    if !layout.places.modal.is_empty() {
+        list.push(Op::pass(Pass::Modes, layout.places.modal.len()));
     }
     if let Some(a) = &layout.implicit {
         let (places, pairs) = (a.places.len(), a.pairs.len());
@@ -68,17 +72,17 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
         }
     }
     let together = late.iter().any(|o| o.law.is_some_and(|l| matches!(l.stage, SolveStage::Coupled)));
-    let solved = layout.solved_modal.len();
+    let solved = layout.places.solved_modal.len();
     if solved > 0 {
         list.push(Op::pass(Pass::ModesAhead, solved));
     }
     list.extend(late);
-    let modes = !layout.modal_couplings.is_empty();
-    list.extend(together.then(|| Op::pass(Pass::Contacts { modes }, layout.n_touch)));
+    let modes = !layout.places.modal_couplings.is_empty();
+    list.extend(together.then(|| Op::pass(Pass::Contacts { modes }, layout.counts.n_touch)));
     if solved > 0 {
         list.push(Op::pass(Pass::ModesAgain, solved));
     }
-    let (keys, kept, feedback) = (layout.tgr.len(), layout.ledger.is_some(), layout.crossing.feedback);
+    let (keys, kept, feedback) = (layout.ports.tgr.len(), layout.ledger.is_some(), layout.ports.crossing.feedback);
     let aside = keys > 0 && kept && !feedback;
     if aside {
         list.push(Op::pass(Pass::Mute, keys));
@@ -93,14 +97,14 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
         list.push(Op::pass(Pass::Mute, keys));
     }
     if layout.ledger.is_some() {
-        list.push(Op::pass(Pass::LedgerOfForces, layout.n_mat));
+        list.push(Op::pass(Pass::LedgerOfForces, layout.counts.n_mat));
     }
     list
 }
 
-/// Where a channel has many outputs, see [`Layout::output_rows`].
+/// The rows of a channel with many outputs, see [`OutputArrays::output_rows`].
 pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
-    let plain = &layout.outputs[..layout.outputs.len() - layout.blockers.len() - layout.of_motion[0]];
+    let plain = &layout.out.outputs[..layout.out.outputs.len() - layout.out.blockers.len() - layout.out.of_motion[0]];
     let channels = || plain.chunk_by(|a, b| a.channel == b.channel);
     if channels().all(|of_channel| of_channel.len() < pass::MANY) {
         return Vec::new();
@@ -120,15 +124,15 @@ pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
 
 /// Outputs; `gains` is the coefficient of the first.
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
-    let high = layout.blockers.len();
-    let [motion, passed] = layout.of_motion;
-    let plain = layout.outputs.len() - high - motion;
-    let again = layout.heard.len();
+    let high = layout.out.blockers.len();
+    let [motion, passed] = layout.out.of_motion;
+    let plain = layout.out.outputs.len() - high - motion;
+    let again = layout.out.heard.len();
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
-    let each = layout.outputs.len() == layout.n_out && layout.outputs.iter().enumerate().all(position);
+    let each = layout.out.outputs.len() == layout.counts.n_out && layout.out.outputs.iter().enumerate().all(position);
     let outputs = match () {
         () if each && high + motion == 0 => Pass::Positions,
-        () if layout.output_rows.is_empty() => Pass::Outputs,
+        () if layout.out.output_rows.is_empty() => Pass::Outputs,
         () => Pass::ManyOutputs,
     };
     let list = [
@@ -137,8 +141,8 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
         (plain + motion + high > 0, outputs, plain, 0),
         (motion > 0, Pass::Motions, motion, plain),
         (high > passed, Pass::HighPass, high - passed, plain + motion),
-        (passed > 0, Pass::HighPassOfMotion, passed, layout.outputs.len() - passed),
-        (!layout.lowpass.is_empty(), Pass::LowPass, layout.channels, 0),
+        (passed > 0, Pass::HighPassOfMotion, passed, layout.out.outputs.len() - passed),
+        (!layout.out.lowpass.is_empty(), Pass::LowPass, layout.counts.channels, 0),
     ];
     let op = |(_, pass, n, first)| Op { first, coef: gains + first, ..Op::pass(pass, n) };
     list.into_iter().filter(|p| p.0).map(op).collect()

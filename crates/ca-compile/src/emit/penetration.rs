@@ -3,10 +3,11 @@
 use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::op::layout::PairSet;
-use ca_core::op::links::measure::measure;
-use ca_core::op::links::pair_set;
+use ca_core::Unit;
+use ca_core::internal::op::layout::PairSet;
+use ca_core::internal::op::links::measure::measure;
+use ca_core::internal::op::links::pair_set;
+use ca_core::internal::op::{loaded, started};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
@@ -41,12 +42,12 @@ type Pressed = ([End; 2], f64, f64);
 
 /// The coefficients of a contact, as they are at load.
 fn coefs(net: &Pruned, l: &LiaNode) -> Vec<f64> {
-    l.law.loaded(&net.values(l.item, &l.values), net.tick_dt)
+    loaded(l.law, &net.values(l.item, &l.values), net.tick_dt)
 }
 
 /// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
 fn force(net: &Pruned, l: &LiaNode, c: &[f64], e: f64) -> f64 {
-    (l.law.fns.force)(c, &mut l.law.started(c, e), &net.tables, e, 0.0)
+    (l.law.fns.force)(c, &mut started(l.law, c, e), &net.tables, e, 0.0)
 }
 
 fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<Pressed> {

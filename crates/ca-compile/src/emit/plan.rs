@@ -4,13 +4,12 @@ use crate::net::{End, LiaNode, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::Role;
-use ca_core::kind::builder::Arg;
-use ca_core::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
-use ca_core::method::implicit::Inertia;
-use ca_core::op::layout::{CoordinateSource, ImplicitLinks};
-use ca_core::state::Identity;
-use ca_core::tuning::Scheme;
+use ca_core::internal::kind::builder::Arg;
+use ca_core::internal::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
+use ca_core::internal::method::implicit::Inertia;
+use ca_core::internal::op::layout::{CoordinateSource, ImplicitLinks};
+use ca_core::internal::tuning::Scheme;
+use ca_core::{Identity, Role};
 
 /// Arrays and places while the scene is being laid out.
 pub struct Plan<'a> {
@@ -150,7 +149,7 @@ impl Plan<'_> {
                 } else {
                     let p = id as usize - self.net.items.len();
                     LiveItem {
-                        kind: &ca_core::io::ENX,
+                        kind: &ca_core::internal::io::ENX,
                         dim: 1,
                         scheme: Scheme::Explicit,
                         args: alloc::vec![Arg::Num(self.net.params[p].value)],

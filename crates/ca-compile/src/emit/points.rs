@@ -7,7 +7,7 @@ use crate::emit::plan::Plan;
 use crate::net::{Coordinate, End};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::op::layout::{CoordinateSource, Modal, ModalCoupling, MovingPoint, SolvedModal};
+use ca_core::internal::op::layout::{CoordinateSource, Modal, ModalCoupling, MovingPoint, SolvedModal};
 
 /// Moving points and masses that go by modes, laid out.
 #[derive(Default)]
@@ -71,7 +71,7 @@ pub struct Solved {
 
 /// Finds them and gives their places their mobility; `tap` is the first number in passing that is free.
 pub fn solved(plan: &mut Plan, n_mat: usize, tap: usize, (modal, shares): (&[Modal], &[f64])) -> Solved {
-    let staged = plan.net.lias.iter().filter(|l| l.law.is_staged()).flat_map(|l| l.ends);
+    let staged = plan.net.lias.iter().filter(|l| !l.law.stage.is_explicit()).flat_map(|l| l.ends);
     let held: BTreeSet<u32> = staged.filter(|e| matches!(e, End::Point(_))).map(|e| plan.at(e)).collect();
     let mut list: Vec<usize> = (0..modal.len()).filter(|i| held.contains(&modal[*i].mat)).collect();
     list.sort_by_key(|i| modal[*i].first);

@@ -24,14 +24,23 @@ use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::PortRole;
-use ca_core::live::Loader;
-use ca_core::numeric::{Aligned, Precision, VerletList};
-use ca_core::op::layout::{Account, Enf, Enx, Layout, LedgerPlan, MeasureKind, Output, Row, SolvedModal, Tap};
-use ca_core::op::{Op, Vectors};
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Before, InputRole, Location, Order, Scene, Start, Symbols, start};
-use ca_core::state::{ActiveContacts, Border, Cell, Identity, Ledger, Ramps, State, UNKNOWN};
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::live::Loader;
+use ca_core::internal::numeric::{Aligned, VerletList};
+use ca_core::internal::op::energy::empty_ledger;
+use ca_core::internal::op::layout::{
+    Account, AccountFns, Counts, Enf, Enx, Layout, LedgerPlan, LinkArrays, MeasureKind, Output, OutputArrays, Places,
+    PortArrays, Rates, Row, SolvedModal, Tap,
+};
+use ca_core::internal::op::{Op, Vectors};
+use ca_core::internal::scene::symbols::SymbolsBuilder;
+use ca_core::internal::scene::{
+    About, Before, InHand, Order, OutputNames, Passes as ScenePasses, Start, identify, start,
+};
+use ca_core::internal::state::{
+    ActiveContacts, Border, Cell, LinkState, PortState, Ramps, UNKNOWN, empty, give_to, set_order,
+};
+use ca_core::{Certificate, InputRole, Location, Precision, Scene, State};
 use ca_model::Model;
 use ca_model::diag::Diags;
 use ca_model::plain::plain;
@@ -50,7 +59,7 @@ pub fn schedule(
     let order = &storage.order[..];
     let plan = Plan::new(net, order);
     let (batches, sorted) = plan.batches(options.kernel);
-    let sorted = sorted || storage.sorted || slow.is_some_and(|slow| slow.scene.sorted);
+    let sorted = sorted || storage.sorted || slow.is_some_and(|slow| slow.scene.passes.sorted);
     let mut written = Written::new(&batches);
     let mut batches = plan.chained(options, batches);
     let settled = plan.settled(order, options, &batches);
@@ -122,58 +131,64 @@ pub fn schedule(
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
     let (coef, live_places) = (plan.coef, plan.live);
     let mut layout = Layout {
-        sample_dt: 1.0 / net.rate,
-        ratio: net.ratio,
-        frame: net.ratio * net.oversample,
-        n_mat,
-        n_lia: links.ends.len(),
-        n_coef: coef.len(),
-        n_mem: links.mem + waves.len,
-        n_touch: links.touch,
-        n_tap: links.tap + solved_modal.list.len() * SolvedModal::TAPS,
-        channels: net.channels.len(),
-        n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
-        ends: links.ends,
-        onto: links.onto,
-        reach: links.reach,
-        rows: Vec::new(),
-        output_rows: Vec::new(),
-        pair_sets: links.pair_sets,
-        e0: links.e0,
-        rest,
-        nodes,
-        moving_points,
-        modal,
-        shares,
-        solved_modal: solved_modal.list,
-        modal_couplings: solved_modal.groups,
-        couplings: solved_modal.couplings,
+        rates: Rates {
+            sample_dt: 1.0 / net.rate,
+            ratio: net.ratio,
+            frame: net.ratio * net.oversample,
+            slow: None,
+            substeps: None,
+        },
+        counts: Counts {
+            n_mat,
+            n_lia: links.ends.len(),
+            n_coef: coef.len(),
+            n_mem: links.mem + waves.len,
+            n_touch: links.touch,
+            n_tap: links.tap + solved_modal.list.len() * SolvedModal::TAPS,
+            channels: net.channels.len(),
+            n_out: net.outs.iter().map(|o| o.channel as usize + 1).max().unwrap_or(0).max(net.channels.len()),
+        },
+        links: LinkArrays {
+            ends: links.ends,
+            onto: links.onto,
+            reach: links.reach,
+            rows: Vec::new(),
+            pair_sets: links.pair_sets,
+            e0: links.e0,
+        },
+        out: OutputArrays {
+            output_rows: Vec::new(),
+            heard: links.heard.into_iter().map(|(_, h)| h).collect(),
+            outputs,
+            of_motion: of_motion(net),
+            blockers: blockers(model, net, diags),
+            lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
+        },
+        places: Places {
+            rest,
+            nodes,
+            moving_points,
+            modal,
+            shares,
+            solved_modal: solved_modal.list,
+            modal_couplings: solved_modal.groups,
+            couplings: solved_modal.couplings,
+        },
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
-        enx,
-        enf,
-        tgr,
-        driven: driven::tables(net, &mut live, diags),
-        crossing: net.crossing,
+        ports: PortArrays { enx, enf, tgr, driven: driven::tables(net, &mut live, diags), crossing: net.crossing },
         waves,
         weighed,
-        heard: links.heard.into_iter().map(|(_, h)| h).collect(),
-        outputs,
-        of_motion: of_motion(net),
-        blockers: blockers(model, net, diags),
-        lowpass: if net.channels.is_empty() { Vec::new() } else { net.lowpass.clone() },
         implicit: implicit.map(|a| a.0),
         ledger,
-        slow: None,
-        substeps: None,
         vectors: Vectors::detect(),
     };
-    layout.rows = rows(&links.forces, &layout.ends, &layout.reach, &layout.rest);
+    layout.links.rows = rows(&links.forces, &layout.links.ends, &layout.links.reach, &layout.places.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space);
     if let Some((_, group, _)) = &slow {
         slow::passes(group, &mut reads, &mut forces);
     }
-    layout.output_rows = pass_list::output_rows(&layout);
+    layout.out.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
     // the start sums forces in the order of the list
@@ -198,45 +213,40 @@ pub fn schedule(
     };
     let begin = Start { order, sticks: options.arithmetic.is_none_or(|a| a >= 5) };
     let mut loaded = loaded(net, &layout, &x, &v, &coef, (live_places, whole));
-    loaded.written = written.orders(loaded.coef.len());
+    let order_of_document = written.orders(loaded.coef.len());
+    set_order(&mut loaded, order_of_document);
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
         let own = slow.state(&group);
         let blank = slow::blank(&loaded, own.clone());
         group.response = slow::response(&layout, &group, &tick, &blank, &reach);
         loaded.slow = Some(Box::new(own));
-        layout.slow = Some(Arc::new(group));
+        layout.rates.slow = Some(Arc::new(group));
     }
     let as_milib = net.as_milib && !diags.has_errors();
-    let ahead = net.oversample == 1 && layout.enx.iter().any(|p| p.implicit);
+    let ahead = net.oversample == 1 && layout.ports.enx.iter().any(|p| p.implicit);
     let kept = !as_milib && (ahead || net.precision == Precision::Single);
     let before = kept.then(|| Before { start: begin, state: loaded.clone(), forces: listed.clone() });
     let mut initial =
         if as_milib { milib::first(&layout, &listed, begin, loaded) } else { start(&layout, &listed, begin, loaded) };
-    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
-    live.scene = initial.scene;
+    live.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
+    give_to(&mut initial, live.scene);
     let (probe_names, probe_of) = probes(net);
     Some(Scene {
         rate: net.rate,
         layout,
-        reads,
-        forces,
-        fused,
-        writes,
-        moves,
+        passes: ScenePasses { reads, forces, fused, writes, moves, sorted },
         inputs: net.inputs.clone(),
-        probe_names,
-        probe_of,
-        channel_names: net.channels.clone(),
+        names: OutputNames { probe_names, probe_of, channel_names: net.channels.clone() },
         live,
-        gestures: net.gestures.clone(),
-        symbols,
+        about: About {
+            gestures: net.gestures.clone(),
+            left_out: net.left_out.clone(),
+            title: plain(model.title()),
+            seconds: net.seconds,
+        },
+        symbols: symbols.build(),
         certificate,
-        equivalence: net.equivalence.clone(),
-        couplings: options.couplings.clone(),
-        left_out: net.left_out.clone(),
-        sorted,
-        title: plain(model.title()),
-        seconds: net.seconds,
+        hand: InHand { equivalence: net.equivalence.clone(), couplings: options.couplings.clone() },
         initial,
         before,
     })
@@ -246,7 +256,7 @@ pub fn schedule(
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
     // links by the motion to come, and what they hold
-    let late = plan.net.lias.iter().filter(|l| l.law.implicit || l.law.is_staged());
+    let late = plan.net.lias.iter().filter(|l| l.law.implicit || !l.law.stage.is_explicit());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
     let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
     let implicit = |at: &u32| held.contains(at);
@@ -298,55 +308,68 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
         // what is implicit to a port that then goes another way is not exact either
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
-        Some(Account { op: index(i), n, ports, first, coef, mem, tap, law, linear, live: false, energies, rows, idle })
+        Some(Account {
+            op: index(i),
+            n,
+            ports,
+            first,
+            coef,
+            mem,
+            tap,
+            law,
+            linear,
+            live: false,
+            rows,
+            fns: AccountFns { energies, idle },
+        })
     };
     links.forces.iter().enumerate().filter_map(account).collect()
 }
 
 /// The modules by name: MATs that stay, then links, whose passes have an `index` among the forces.
-fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbols {
+fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> SymbolsBuilder {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
-    let mut all = Symbols::with_capacity(mats.clone().count(), net.lias.len());
+    let mut all = SymbolsBuilder::with_capacity(mats.clone().count(), net.lias.len());
     mats.for_each(|(m, at)| all.push(&m.name, m.code, m.axes, Location::Mat(*at)));
     for (l, (op, k)) in net.lias.iter().zip(&links.where_is) {
         all.push(&l.name, l.law.code, 1, Location::Lia(index(*op as usize) as u32, *k));
     }
-    all.shrink_to_fit();
     all
 }
 
 /// The state as written: every mass where its author put it, with the speed it was given.
 fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
-    State {
-        scene: Identity::default(),
-        x: Aligned::from(x),
-        d: v.iter().map(|v| v * net.tick_dt).collect(),
-        f: Aligned::zeros(layout.n_mat),
-        mem: alloc::vec![0.0; layout.n_mem],
-        lengths: layout.reach.iter().map(|_| UNKNOWN).collect(),
-        tap: Aligned::zeros(layout.n_tap),
-        last_input: input.clone(),
-        output: alloc::vec![0.0; layout.n_out],
-        near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
-        cells: alloc::vec![Cell::default(); layout.moving_points.len()],
-        slow: None,
-        border: alloc::vec![Border::default(); layout.tgr.len()],
-        late: alloc::vec![0.0; layout.tgr.len() * layout.crossing.latency as usize],
-        blocked: alloc::vec![[0.0; 2]; layout.blockers.len()],
-        glide: layout.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
-        lowpass: alloc::vec![0.0; layout.channels * 2 * (2 * layout.lowpass.len()).saturating_sub(1)],
-        ramps: Ramps::new(live, whole),
-        written: Default::default(),
+    let mut s = empty();
+    s.x = Aligned::from(x);
+    s.d = v.iter().map(|v| v * net.tick_dt).collect();
+    s.f = Aligned::zeros(layout.counts.n_mat);
+    s.links = LinkState {
+        mem: alloc::vec![0.0; layout.counts.n_mem],
+        lengths: layout.links.reach.iter().map(|_| UNKNOWN).collect(),
+        tap: Aligned::zeros(layout.counts.n_tap),
+        near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
+        cells: alloc::vec![Cell::default(); layout.places.moving_points.len()],
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
-        touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
-        ledger: layout.ledger.as_ref().map(|_| Box::new(Ledger::new(layout))),
-        tick: 0,
+        touches: ActiveContacts::new(layout.counts.n_touch, layout.counts.n_mat),
+    };
+    s.ports = PortState {
+        last_input: input.clone(),
+        border: alloc::vec![Border::default(); layout.ports.tgr.len()],
+        late: alloc::vec![0.0; layout.ports.tgr.len() * layout.ports.crossing.latency as usize],
+        blocked: alloc::vec![[0.0; 2]; layout.out.blockers.len()],
+        glide: layout.rates.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
+        lowpass: alloc::vec![0.0; layout.counts.channels * 2 * (2 * layout.out.lowpass.len()).saturating_sub(1)],
         refused: 0,
-        input,
-        coef: Aligned::from(coef),
-    }
+    };
+    s.output = alloc::vec![0.0; layout.counts.n_out];
+    s.slow = None;
+    s.ramps = Ramps::new(live, whole);
+    s.ledger = layout.ledger.as_ref().map(|_| Box::new(empty_ledger(layout)));
+    s.input = input;
+    s.coef = Aligned::from(coef);
+    s
 }
 
 /// The probes by name and by what asked for them, one for each place behind the channels.

@@ -8,11 +8,11 @@ use crate::net::{End, MatRole, OutputTap, Pruned};
 use crate::passes::slow::SlowPart;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::border;
-use ca_core::op::layout::{Copied, Layout, Response, SlowGroup};
-use ca_core::op::{MeasureKind, Op, Pass};
-use ca_core::scene::Scene;
-use ca_core::state::{SlowState, State};
+use ca_core::internal::border;
+use ca_core::internal::op::layout::{Copied, Layout, Response, SlowGroup};
+use ca_core::internal::op::{MeasureKind, Op, Pass};
+use ca_core::internal::state::SlowState;
+use ca_core::{Scene, State};
 
 /// The groups, compiled at their own rate.
 pub struct Slow<'a> {
@@ -68,13 +68,13 @@ impl<'a> Slow<'a> {
             }
         }
         let (after, forces): (Vec<Op>, Vec<Op>) =
-            self.scene.forces.iter().partition(|op| op.name == "ledger of forces");
+            self.scene.passes.forces.iter().partition(|op| op.name() == "ledger of forces");
         SlowGroup {
             layout: self.scene.layout.clone(),
-            reads: self.scene.reads.clone(),
-            forces: forces.into_iter().filter(|op| op.name != "ENF").collect(),
+            reads: self.scene.passes.reads.clone(),
+            forces: forces.into_iter().filter(|op| op.name() != "ENF").collect(),
             after,
-            moves: self.scene.moves.clone(),
+            moves: self.scene.passes.moves.clone(),
             ports,
             coupled,
             compensated: self.part.compensated,
@@ -107,11 +107,11 @@ impl<'a> Slow<'a> {
 
 /// Passes of the border, put where they belong.
 pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
-    let ports = reads.iter().take_while(|op| matches!(op.name, "ENX" | "TGR in")).count();
+    let ports = reads.iter().take_while(|op| matches!(op.name(), "ENX" | "TGR in")).count();
     let compensated = group.compensated;
     reads.insert(ports, Op::pass(Pass::Group { compensated }, group.ports.len()));
     if group.coupled > 0 {
-        let kept = forces.iter().filter(|op| op.name == "ledger of forces").count();
+        let kept = forces.iter().filter(|op| op.name() == "ledger of forces").count();
         forces.insert(forces.len() - kept, Op::pass(Pass::GroupOut { compensated }, group.coupled));
     }
 }
@@ -128,8 +128,9 @@ impl Tick {
     /// What of a tick answers in proportion, of passes before rows are fused: a metre at each place says nothing of a contact.
     pub fn proportional(forces: &[Op], moves: Vec<Op>) -> Tick {
         let radial = |op: &Op| [Some(op.form.measure), op.form.onto].contains(&Some(MeasureKind::Radial));
-        let is =
-            |op: &&Op| op.law.is_none_or(|l| l.linear && l.mem == 0 && !l.is_staged() && !op.form.set && !radial(op));
+        let is = |op: &&Op| {
+            op.law.is_none_or(|l| l.linear && l.mem == 0 && l.stage.is_explicit() && !op.form.set && !radial(op))
+        };
         Tick { forces: forces.iter().filter(is).copied().collect(), moves }
     }
 }
@@ -138,7 +139,7 @@ impl Tick {
 pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, reach: &[(u32, bool)]) -> Response {
     let coupled = &group.ports[..group.coupled];
     let n = coupled.len();
-    let frame = layout.frame;
+    let frame = layout.rates.frame;
     // mean forces of one frame from `s` on, in which port `moving` goes a metre
     let frame_of = |mut s: State, moving: Option<usize>| -> Vec<f64> {
         let mut mean = alloc::vec![0.0; n];
@@ -196,7 +197,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
     }
     // T²/m
     let mobility =
-        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.n_mat + p.own as usize]);
+        |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.counts.n_mat + p.own as usize]);
     let mobility: Vec<f64> = coupled.iter().map(mobility).collect();
     Response { places, known, answer: solved(&by_motion, &mobility, n) }
 }
@@ -231,7 +232,9 @@ fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
 
 /// A state in which nothing was put anywhere.
 pub fn blank(loaded: &State, slow: SlowState) -> State {
-    let mut s = State { ledger: None, slow: Some(alloc::boxed::Box::new(slow)), ..loaded.clone() };
+    let mut s = loaded.clone();
+    s.ledger = None;
+    s.slow = Some(alloc::boxed::Box::new(slow));
     s.x.fill(0.0);
     s.d.fill(0.0);
     s

@@ -2,8 +2,8 @@
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
-use ca_core::op::layout::{Delay, Junction, Termination, Waves};
-use ca_core::tuning::wave::Loss;
+use ca_core::internal::op::layout::{Delay, Junction, Termination, Waves};
+use ca_core::internal::tuning::wave::Loss;
 
 impl Plan<'_> {
     /// Lays out the strings; their memory begins at `memory`.

@@ -3,9 +3,9 @@
 use crate::lower::lowpass;
 use crate::lower::values::Values;
 use crate::net::Resolved;
-use ca_core::io::TGR;
-use ca_core::kind::{Need, Param, Type, Unit};
-use ca_core::op::layout::{Crossing, Shape};
+use ca_core::internal::io::TGR;
+use ca_core::internal::op::layout::{Crossing, Shape};
+use ca_core::{Need, Param, Type, Unit};
 use ca_model::Model;
 use ca_model::diag::Diags;
 

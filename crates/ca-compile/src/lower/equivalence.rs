@@ -12,8 +12,8 @@ use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
 use ca_core::equivalence::{Class, Equivalence, Gains, Pair, Quantity, ROWS, Scale, anchor_for, keep, row, solve};
-use ca_core::kind::{ABOVE_ZERO, PortRole, Unit};
-use ca_core::scene::InputRole;
+use ca_core::internal::kind::{PortRole, alg_to_si};
+use ca_core::{ABOVE_ZERO, InputRole, Unit};
 use ca_model::diag::Diag;
 use ca_model::suggest::{nearest, ticked};
 use ca_model::{Entry, Model, Value};
@@ -126,7 +126,7 @@ fn pair(row: &'static Quantity, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
     v.alg = alg;
     let sim = v.constant(sim, row.unit, ABOVE_ZERO, &format!("the simulated `{}` of `[equivalence]`", row.name));
     // numbers of the model, not SI
-    let unit = v.alg.map_or(1.0, |time_unit| row.unit.dim.alg_to_si(time_unit));
+    let unit = v.alg.map_or(1.0, |time_unit| alg_to_si(row.unit.dim, time_unit));
     Some(Pair { row, ratio: real? / (sim? / unit) })
 }
 

@@ -4,10 +4,10 @@ use crate::net::lines::LineNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Builder, Built};
-use ca_core::kind::name::{Name, Part};
-use ca_core::kind::{Kind, Role};
-use ca_core::live::Source;
+use ca_core::internal::kind::builder::{Builder, Built};
+use ca_core::internal::kind::name::Part;
+use ca_core::internal::live::Source;
+use ca_core::{Kind, Name, Role};
 
 /// Lists of sources met lately: most modules of a generator share theirs.
 #[derive(Default)]
@@ -40,10 +40,10 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     for (i, (what, index)) in built.mats.iter().enumerate() {
         let id = base + i as u32;
         let (kind, slots): (&'static Kind, &[(usize, u32)]) = match what {
-            Built::Mass(m, z) if built.nothing(*z) => (&ca_core::mat::MAS, &[(0, *m)]),
-            Built::Mass(m, z) => (&ca_core::mat::CEL, &[(0, *m), (2, *z)]),
-            Built::Cell(m, f, t60) => (&ca_core::mat::CEL, &[(0, *m), (3, *f), (4, *t60)]),
-            Built::Fixed | Built::Anchor => (&ca_core::mat::SOL, &[]),
+            Built::Mass(m, z) if built.nothing(*z) => (&ca_core::internal::mat::MAS, &[(0, *m)]),
+            Built::Mass(m, z) => (&ca_core::internal::mat::CEL, &[(0, *m), (2, *z)]),
+            Built::Cell(m, f, t60) => (&ca_core::internal::mat::CEL, &[(0, *m), (3, *f), (4, *t60)]),
+            Built::Fixed | Built::Anchor => (&ca_core::internal::mat::SOL, &[]),
         };
         let name = if *what == Built::Anchor {
             family.anchors.push(id);
@@ -77,13 +77,13 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
             item,
         });
     }
-    let Role::Lia(law) = ca_core::phi::REF.role else { return };
+    let Role::Lia(law) = ca_core::internal::phi::REF.role else { return };
     let of_links = net.lias.len() as u32;
     family.links = (of_links..of_links + built.links.len() as u32).collect();
     for (i, l) in built.links.iter().enumerate() {
         net.lias.push(LiaNode {
             name: Name::new(&name, Part::Link, i.into()),
-            kind: &ca_core::phi::REF,
+            kind: &ca_core::internal::phi::REF,
             law,
             values: shared.list(&[Source::Absent, Source::Slot(l.k), Source::Slot(l.z), Source::Absent]),
             ends: l.ends.map(|e| End::Mat(base + e)),

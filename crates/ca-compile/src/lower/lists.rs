@@ -5,8 +5,8 @@ use crate::lower::values::Values;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::kind::builder::Arg;
+use ca_core::Unit;
+use ca_core::internal::kind::builder::Arg;
 use ca_model::diag::Diag;
 use ca_model::quantity::Plain;
 use ca_model::{Entry, Value};
@@ -27,9 +27,9 @@ impl Values<'_> {
     /// A place, or a velocity: a number, or a list of them. How many there must be is known where the group is.
     pub fn position(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Arg> {
         let Value::List(list) = &e.value else {
-            return self.constant(e, unit, ca_core::kind::ANY, what).map(Arg::Num);
+            return self.constant(e, unit, ca_core::ANY, what).map(Arg::Num);
         };
-        let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, ca_core::kind::ANY, what)).collect();
+        let read: Vec<_> = list.iter().map(|x| self.constant(x, unit, ca_core::ANY, what)).collect();
         read.into_iter().collect::<Option<Vec<f64>>>().map(Arg::List)
     }
 
@@ -155,8 +155,8 @@ impl Values<'_> {
         for p in list {
             match &p.value {
                 Value::List(pair) if pair.len() == 2 => {
-                    let a = self.constant(&pair[0], x, ca_core::kind::ANY, what);
-                    let b = self.constant(&pair[1], y, ca_core::kind::ANY, what);
+                    let a = self.constant(&pair[0], x, ca_core::ANY, what);
+                    let b = self.constant(&pair[1], y, ca_core::ANY, what);
                     match (a, b) {
                         (Some(a), Some(b)) => points.push([a, b]),
                         _ => good = false,

@@ -11,7 +11,7 @@
 
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;

@@ -1,7 +1,7 @@
 //! A `[param]` as it was read: its number as written, its limits, and where it is used.
 
 use alloc::string::String;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::quantity::Quantity;
 use ca_model::{Entry, Span};
 

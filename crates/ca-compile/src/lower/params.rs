@@ -8,9 +8,8 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::{ANY, Dim, Unit};
-use ca_core::live::LiveParam;
-use ca_core::scene::InputRole;
+use ca_core::internal::kind::alg_to_si;
+use ca_core::{ANY, Dim, InputRole, LiveParam, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{Plain, Quantity};
 use ca_model::suggest::nearest;
@@ -50,7 +49,7 @@ fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags
             if !is_param(t)
                 && let Some(value) = quantity::note(t) =>
         {
-            Some(Raw::Quantity(Quantity { value, dim: Dim::FREQUENCY, has_unit: true }))
+            Some(Raw::Quantity(Quantity { value, dim: Unit::HERTZ.dim, has_unit: true }))
         }
         other => {
             let title = format!("{what} must be a number or a quantity, not {}", type_name(other));
@@ -278,7 +277,7 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
             continue;
         }
         let (unit, min, max) = n.used.unwrap_or((Unit::NONE, f64::MIN, f64::MAX));
-        let factor = if matches!(raw, Raw::Bare(_)) { v.alg.map_or(1.0, |tr| unit.dim.alg_to_si(tr)) } else { 1.0 };
+        let factor = if matches!(raw, Raw::Bare(_)) { v.alg.map_or(1.0, |tr| alg_to_si(unit.dim, tr)) } else { 1.0 };
         renumber[i] = net.params.len();
         net.params.push(LiveParam {
             name: n.name.clone(),

@@ -9,7 +9,7 @@ use crate::lower::values::Values;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::Entry;
 use ca_model::diag::Diag;
 use ca_model::quantity::{self, QuantityError};

@@ -1,9 +1,9 @@
 //! What the parameter tables of the kinds cannot say: parameters that need each other, and how much a generator makes.
 
 use alloc::format;
-use ca_core::kind::builder::{Arg, Args};
-use ca_core::kind::{Kind, Type};
-use ca_core::phi::bow::{CurveShape, FrictionMethod};
+use ca_core::internal::kind::builder::{Arg, Args};
+use ca_core::internal::phi::bow::{CurveShape, FrictionMethod};
+use ca_core::{Kind, Type};
 use ca_model::Item;
 use ca_model::diag::{Diag, Diags};
 

@@ -4,7 +4,7 @@
 //! on a line and three places in a row.
 
 use alloc::format;
-use ca_core::kind::builder::Arg;
+use ca_core::internal::kind::builder::Arg;
 use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 

@@ -8,10 +8,10 @@ use crate::lower::named::{Named, Raw};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::kind::builder::Arg;
-use ca_core::kind::cloud::Clouds;
-use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
-use ca_core::numeric::Table;
+use ca_core::internal::kind::alg_to_si;
+use ca_core::internal::kind::builder::Arg;
+use ca_core::internal::kind::cloud::Clouds;
+use ca_core::{Dim, Kind, Need, Param, Table, Type, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity;
 use ca_model::quantity::Plain;
@@ -55,14 +55,14 @@ impl Values<'_> {
 
     /// Factor from a bare number of dimension `dim` to SI.
     fn bare(&self, dim: Dim) -> f64 {
-        self.alg.map_or(1.0, |tr| dim.alg_to_si(tr))
+        self.alg.map_or(1.0, |tr| alg_to_si(dim, tr))
     }
 
     /// A quantity in SI, if its dimension is that of `unit`; `what` names the place for the report.
     fn measured(&mut self, text: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
         match quantity::parse(text) {
             // nothing is nothing in every unit
-            Ok(q) if !q.has_unit && (unit.dim.same(Dim::NONE) || q.value == 0.0) => Some(q.value),
+            Ok(q) if !q.has_unit && (unit.dim.same(Unit::NONE.dim) || q.value == 0.0) => Some(q.value),
             Ok(q) if !q.has_unit => {
                 let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
                 let d = d.at(e.span, format!("in quotes a number has its unit, here {}", wanted(unit.symbol)));
@@ -94,7 +94,7 @@ impl Values<'_> {
                 None => (self.measured(t, unit, e, what)?, None),
             },
             // a parameter of that name comes first
-            Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Dim::FREQUENCY)) {
+            Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Unit::HERTZ.dim)) {
                 Some(f) if !self.index.contains_key(t) => (f, None),
                 _ => self.named_number(t, unit, range, e, what)?,
             },
@@ -144,10 +144,10 @@ impl Values<'_> {
             let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
             let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
             let near = near.map(ToString::to_string);
-            let note = || quantity::near_note(name).filter(|_| unit.dim.same(Dim::FREQUENCY));
+            let note = || quantity::near_note(name).filter(|_| unit.dim.same(Unit::HERTZ.dim));
             self.diags.push(match near.or_else(note) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
-                None if unit.dim.same(Dim::FREQUENCY) => d.help(
+                None if unit.dim.same(Unit::HERTZ.dim) => d.help(
                     "declare it under `[param]`, or write a value such as `\"440 Hz\"` or a note such as `\"A4 +5 c\"`",
                 ),
                 None => d.help(format!("declare it under `[param]`, or write a value such as `{}`", quoted(unit))),
@@ -210,7 +210,7 @@ impl Values<'_> {
 
     /// A parameter of what is no module: of a group, or of the model, by its bare name.
     pub fn word(&mut self, param: &Param, e: &Entry, owner: &str) -> Option<f64> {
-        self.arg(&ca_core::phi::REF, param, e, &[], owner)?.0.num()
+        self.arg(&ca_core::internal::phi::REF, param, e, &[], owner)?.0.num()
     }
 
     /// A plain number of the right dimension within its range; `None` for anything else, be it right or wrong.
@@ -219,7 +219,7 @@ impl Values<'_> {
         let v = match &e.value {
             Value::Num(v) => *v * self.bare(unit.dim),
             Value::Text(t) if quantity::is_quantity(t) => match quantity::parse(t) {
-                Ok(q) if !q.has_unit && unit.dim.same(Dim::NONE) => q.value,
+                Ok(q) if !q.has_unit && unit.dim.same(Unit::NONE.dim) => q.value,
                 Ok(q) if q.has_unit && q.dim.same(unit.dim) => q.value,
                 _ => return None,
             },
@@ -267,7 +267,7 @@ impl Values<'_> {
             Type::PowerStiffness { exponent } => {
                 let p = self.exponent(kind, exponent, siblings)?;
                 let unit = Unit::power_stiffness(p);
-                let (v, follows) = self.number(e, unit, ca_core::kind::POSITIVE, &what)?;
+                let (v, follows) = self.number(e, unit, ca_core::POSITIVE, &what)?;
                 Some((Arg::Num(v), follows))
             }
             Type::Count { min, max } => plain(self.count(e, (min, max), &what)?),

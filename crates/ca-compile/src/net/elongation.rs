@@ -1,7 +1,7 @@
 //! Elongations of links at load.
 
 use crate::net::{End, LiaNode, Measure, Wired};
-use ca_core::kind::Role;
+use ca_core::Role;
 
 /// The elongation of two ends at rest that the kernel does not measure, and their distance.
 fn at_rest(net: &Wired, ends: [End; 2], measure: Measure) -> (f64, f64) {

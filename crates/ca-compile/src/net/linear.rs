@@ -11,10 +11,10 @@ use crate::net::{Coordinate, End, LiaNode, MatNode, MatRole, Measure, OutNode, O
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
-use ca_core::io::Hear;
-use ca_core::law::Bound;
-use ca_core::op::pass;
-use ca_core::tuning::Scheme;
+use ca_core::Bound;
+use ca_core::internal::io::Hear;
+use ca_core::internal::op::pass;
+use ca_core::internal::tuning::Scheme;
 
 /// Where moving points are taken to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,7 +115,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
             }
         }
     }
-    let counts = |l: &LiaNode, b: &Bound| b.linear && !l.law.is_staged();
+    let counts = |l: &LiaNode, b: &Bound| b.linear && l.law.stage.is_explicit();
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
     let (mut ports, mut derivatives, mut force_outputs): (Vec<Port>, Vec<Port>, Vec<String>) = Default::default();

@@ -2,9 +2,10 @@
 
 use crate::net::{LiaNode, MatNode, MatRole, Resolved};
 use alloc::vec::Vec;
-use ca_core::law::Bound;
-use ca_core::live::Loader;
-use ca_core::tuning::Scheme;
+use ca_core::Bound;
+use ca_core::internal::live::Loader;
+use ca_core::internal::op::loaded;
+use ca_core::internal::tuning::Scheme;
 
 /// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +45,9 @@ pub fn stored(net: &Resolved, m: &MatNode) -> Own {
         return Own::default();
     }
     let own = Own { c, k: -out[1] / c, z: (1.0 - out[0]) / c, implicit: 0.0 };
-    let Some(method) = ca_core::mat::CEL.param("method").filter(|_| m.code == ca_core::mat::CEL.code) else {
+    let Some(method) =
+        ca_core::internal::mat::CEL.param("method").filter(|_| m.code == ca_core::internal::mat::CEL.code)
+    else {
         return own;
     };
     if values.get(method).copied().flatten().is_none() {
@@ -57,7 +60,7 @@ pub fn stored(net: &Resolved, m: &MatNode) -> Own {
 
 /// Pitch \[Hz\] and decay time \[s\] of a cell that is given by them.
 fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
-    let cell = &ca_core::mat::CEL;
+    let cell = &ca_core::internal::mat::CEL;
     let at = |name: &str| values.get(cell.param(name)?).copied().flatten();
     let f = at("f").filter(|_| m.code == cell.code)?;
     Some((f, at("t60").unwrap_or(f64::INFINITY)))
@@ -65,5 +68,5 @@ fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
 
 /// The slopes of a link at load.
 pub fn slopes(net: &Resolved, l: &LiaNode) -> Bound {
-    (l.law.bound)(&l.law.loaded(&net.values(l.item, &l.values), net.tick_dt), &net.tables)
+    (l.law.at_load.bound)(&loaded(l.law, &net.values(l.item, &l.values), net.tick_dt), &net.tables)
 }

@@ -1,6 +1,6 @@
 //! Lines: the strings of waves in the network, as records; the pass `waves` tunes them.
 
-use ca_core::tuning::wave::{Tuned, WaveguideSpec};
+use ca_core::internal::tuning::wave::{Tuned, WaveguideSpec};
 
 /// A string of waves.
 #[derive(Clone, Debug)]

@@ -17,14 +17,13 @@ use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::io::Hear;
-use ca_core::kind::builder::Arg;
-use ca_core::kind::name::Name;
-use ca_core::kind::{Kind, MatSpec, PortRole};
-use ca_core::live::Source;
-use ca_core::op::Law;
-use ca_core::op::layout::MeasureKind;
-use ca_core::tuning::Method;
+use ca_core::internal::io::Hear;
+use ca_core::internal::kind::builder::Arg;
+use ca_core::internal::kind::{MatSpec, PortRole};
+use ca_core::internal::live::Source;
+use ca_core::internal::op::layout::MeasureKind;
+use ca_core::internal::tuning::Method;
+use ca_core::{Kind, Law, Name};
 
 /// An item of the model, resolved.
 #[derive(Clone)]

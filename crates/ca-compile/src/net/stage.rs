@@ -15,12 +15,11 @@ use alloc::string::{String, ToString};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::equivalence::Equivalence;
-use ca_core::live::{LiveParam, Source};
-use ca_core::method::pefrl::LIMIT;
-use ca_core::numeric::{Precision, Table};
-use ca_core::op::layout::Crossing;
-use ca_core::scene::Input;
-use ca_core::tuning::{Method, Scheme};
+use ca_core::internal::live::Source;
+use ca_core::internal::method::pefrl::LIMIT;
+use ca_core::internal::op::layout::Crossing;
+use ca_core::internal::tuning::{Method, Scheme};
+use ca_core::{Input, LiveParam, Precision, Table};
 use ca_model::Span;
 use core::ops::{Deref, DerefMut};
 

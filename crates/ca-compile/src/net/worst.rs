@@ -4,10 +4,10 @@
 use crate::net::{MatNode, MatRole, Resolved};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::Role;
-use ca_core::kind::builder::{Arg, Args};
-use ca_core::law::Bound;
-use ca_core::live::{Loader, Source};
+use ca_core::internal::kind::builder::{Arg, Args};
+use ca_core::internal::live::{Loader, Source};
+use ca_core::internal::op::loaded;
+use ca_core::{Bound, Role};
 
 /// A MAT at the worst corner of what may change; nothing of what is fixed.
 #[derive(Clone, Copy, Default)]
@@ -106,7 +106,7 @@ pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
         }
         let mut worst = Bound::default();
         for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
-            let b = (l.law.bound)(&l.law.loaded(&values, net.tick_dt), &net.tables);
+            let b = (l.law.at_load.bound)(&loaded(l.law, &values, net.tick_dt), &net.tables);
             // what counts is k − lift, whose worst is not that of k
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);

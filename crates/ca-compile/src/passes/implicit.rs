@@ -2,7 +2,7 @@
 //! `emit/implicit.rs`.
 //!
 //! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
-//! and that a cell needs no matrix: its own spring and damper only make it heavier ([`ca_core::mat::cel`]). Refused where
+//! and that a cell needs no matrix: its own spring and damper only make it heavier ([`ca_core::internal::mat::cel`]). Refused where
 //! the matrix would change from tick to tick (distances in space, quadripoles, moving points), and where a contact that
 //! counts on the motion to come shares a mass with such a link.
 
@@ -12,15 +12,15 @@ use crate::net::{End, LiaNode, Wired};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::sync::Arc;
-use ca_core::live::Source;
-use ca_core::phi::implicit;
-use ca_core::tuning::Method;
+use ca_core::internal::live::Source;
+use ca_core::internal::phi::implicit;
+use ca_core::internal::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
 /// Gives links and cells the method that they, their group or the model ask for.
 pub fn choose(net: &mut Wired) {
-    let asked = |net: &Wired, item: u32, kind: &ca_core::kind::Kind, values: &[Source]| {
+    let asked = |net: &Wired, item: u32, kind: &ca_core::Kind, values: &[Source]| {
         let at = |name: &str| {
             let i = kind.param(name)?;
             values.get(i)?.get(&net.items[item as usize].slots)
@@ -66,7 +66,7 @@ pub fn choose(net: &mut Wired) {
         let l = &mut net.lias[i];
         (l.law, l.values) = (&implicit::LAW, values);
     }
-    let cell = &ca_core::mat::CEL;
+    let cell = &ca_core::internal::mat::CEL;
     let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
     // a junction of waves is exact as it is: what would be its damper is what waves take along
     let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
@@ -87,7 +87,7 @@ pub fn choose(net: &mut Wired) {
 pub fn is_fourth(net: &Wired) -> bool {
     let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
     let links = net.lias.iter().filter(|l| l.law.implicit).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
-    let cell = &ca_core::mat::CEL;
+    let cell = &ca_core::internal::mat::CEL;
     let cells = net.mats.iter().filter(|m| m.code == cell.code && m.values.len() == cell.params.len());
     let theta = cell.param("theta").unwrap_or(0);
     let cells = cells.filter_map(|m| m.values.get(theta).map(|v| (m.item, *v)));
@@ -98,7 +98,7 @@ pub fn is_fourth(net: &Wired) -> bool {
 pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
-    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
+    for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
         late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
     }
     for l in net.lias.iter().filter(|l| l.law.implicit) {

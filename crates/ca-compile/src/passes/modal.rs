@@ -23,12 +23,12 @@ use alloc::string::String;
 use alloc::string::ToString;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use ca_core::kind::name::{Name, Part};
-use ca_core::kind::{Coefs, MatSpec, Role};
-use ca_core::live::Source;
-use ca_core::numeric::Precision;
-use ca_core::scene::symbols;
-use ca_core::tuning::Method;
+use ca_core::internal::kind::name::Part;
+use ca_core::internal::kind::{Coefs, MatSpec};
+use ca_core::internal::live::Source;
+use ca_core::internal::scene::symbols;
+use ca_core::internal::tuning::Method;
+use ca_core::{Name, Precision, Role};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
@@ -202,7 +202,7 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
             let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
             return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");
         }
-        if l.law.implicit || l.law.is_staged() && l.onto.is_some() {
+        if l.law.implicit || !l.law.stage.is_explicit() && l.onto.is_some() {
             let title = format!("`{}` is implicit at a mass of {name}, which goes by its modes", l.name);
             return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
         }

@@ -2,7 +2,7 @@
 
 use crate::net::Pruned;
 use alloc::format;
-use ca_core::tuning::Method;
+use ca_core::internal::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 

@@ -1,4 +1,4 @@
-//! PEFRL: whether a model may go by it, what its tick runs, and what it does to the limit ([`ca_core::method::pefrl`]).
+//! PEFRL: whether a model may go by it, what its tick runs, and what it does to the limit ([`ca_core::internal::method::pefrl`]).
 //!
 //! Decides for the whole model or none of it: what is inside a tick and what is at its ends cannot be mixed. Refused
 //! is what hangs on motion (viscosity, friction), remembers, is implicit, is moved from outside, or is tuned to the
@@ -10,8 +10,8 @@ use crate::net::{LiaNode, MatRole, Pruned};
 use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::format;
-use ca_core::live::Source;
-use ca_core::tuning::Method;
+use ca_core::internal::live::Source;
+use ca_core::internal::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
@@ -50,7 +50,7 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
     });
     let bounds = crate::net::worst::worst_bounds(net);
     let of_links = net.lias.iter().zip(&bounds).filter_map(|(l, b)| {
-        let why = if l.law.is_staged() || l.law.implicit {
+        let why = if !l.law.stage.is_explicit() || l.law.implicit {
             (format!("`{}` is implicit", l.name), "leave out its `method`")
         } else if b.z != 0.0 || loses(net, l) {
             (format!("the force of `{}` hangs on motion", l.name), "keep springs and contacts without viscosity")

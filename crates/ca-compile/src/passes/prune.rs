@@ -6,7 +6,8 @@ use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
 use crate::options::Options;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::{PortRole, Role};
+use ca_core::Role;
+use ca_core::internal::kind::PortRole;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 

@@ -5,8 +5,8 @@ use crate::passes::slow::SlowPart;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::equivalence::Gains;
-use ca_core::op::layout::Crossing;
-use ca_core::scene::{Input, InputRole};
+use ca_core::internal::op::layout::Crossing;
+use ca_core::{Input, InputRole};
 
 /// Leaves the sound: masses of the group are moved from outside.
 pub fn sound(net: &mut Pruned, part: &SlowPart) {

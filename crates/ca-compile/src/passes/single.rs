@@ -13,10 +13,11 @@ use crate::net::{End, MatRole, Pruned};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::live::{Loader, Source};
-use ca_core::method::implicit::inertia;
-use ca_core::numeric::{NONE, Real};
-use ca_core::phi::bow::SET_VALUED;
+use ca_core::Real;
+use ca_core::internal::live::{Loader, Source};
+use ca_core::internal::method::implicit::inertia;
+use ca_core::internal::numeric::NONE;
+use ca_core::internal::phi::bow::SET_VALUED;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 

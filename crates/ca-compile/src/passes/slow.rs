@@ -14,10 +14,10 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::PortRole;
-use ca_core::mat::{MAS, SOL};
-use ca_core::op::layout::Shape;
-use ca_core::tuning::{Method, Scheme};
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::mat::{MAS, SOL};
+use ca_core::internal::op::layout::Shape;
+use ca_core::internal::tuning::{Method, Scheme};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::{Model, Span};
@@ -101,7 +101,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     let (mut coupled, mut edge) = (BTreeSet::new(), BTreeSet::new());
     for (l, inner) in net.lias.iter().zip(&part.inner) {
         if *inner {
-            if l.law.implicit || l.law.is_staged() {
+            if l.law.implicit || !l.law.stage.is_explicit() {
                 let help = "leave out its `method`, or let the group go at the sound rate";
                 say.item(l.item, &format!("`{}` is implicit", l.name), "solved with the motion to come", help);
             } else if net.is_live(l.item) {
@@ -169,7 +169,7 @@ fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
     Some(match () {
         () if l.all_ends().any(|e| matches!(e, End::Point(_))) => "ends at a moving point".into(),
         () if net.is_live(l.item) => "follows a live parameter".into(),
-        () if l.law.implicit || l.law.is_staged() => "is implicit".into(),
+        () if l.law.implicit || !l.law.stage.is_explicit() => "is implicit".into(),
         () if !l.law.linear || l.law.mem > 0 || l.sets.is_some() => {
             format!("is of the kind {}, which is not linear", l.kind.code)
         }

@@ -11,7 +11,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::op::SolveStage;
+use ca_core::internal::op::SolveStage;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -24,7 +24,7 @@ const STIFFEST: f64 = 1e3;
 pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
-    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
+    for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
         if let Some(point) = l.all_ends().find(|e| matches!(e, End::Point(_))) {
             if reported.insert(l.item) {
                 let title =
@@ -39,7 +39,7 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
         }
     }
     let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
-    for l in net.lias.iter().filter(|l| l.law.is_staged() && l.onto.is_some()) {
+    for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit() && l.onto.is_some()) {
         // no method solves four ends together with others
         if let Some((m, _)) = twice(l).filter(|_| reported.insert(l.item)) {
             let title =
@@ -54,7 +54,7 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
         }
     }
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
-    let shared: Vec<bool> = net.lias.iter().map(|l| l.law.is_staged() && shared(l)).collect();
+    let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
     together(net, &shared);
 }
 
@@ -62,7 +62,7 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
 /// [`STIFFEST`] too are solved as one of several would be, since that carries their energy instead of having it from places.
 pub fn choose_modes(net: &mut Pruned) {
     let mut count: BTreeMap<String, u32> = BTreeMap::new();
-    for l in net.lias.iter().filter(|l| l.law.is_staged()) {
+    for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
         for family in families(net, l) {
             *count.entry(family.into()).or_default() += 1;
         }

@@ -4,15 +4,16 @@
 use crate::net::Wired;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::live::Source;
-use ca_core::op::ParamBinding;
+use ca_core::ParamBinding;
+use ca_core::internal::live::Source;
+use ca_core::internal::op::loaded;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
 /// Rewrites the laws of the links and drops those that are nothing.
 pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
     // generators make thousands of links with the same values: the answer of the last one serves
-    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::op::Law, bool)> = None;
+    let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::Law, bool)> = None;
     let mut lias = core::mem::take(&mut net.lias);
     let mut reported = None;
     let mut zero = 0;
@@ -28,7 +29,7 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
         }
         let item = &net.items[l.item as usize];
         // which of its values may move: for a generator any, since one slot may depend on every argument
-        let generated = matches!(item.kind.role, ca_core::kind::Role::Generator(_));
+        let generated = matches!(item.kind.role, ca_core::Role::Generator(_));
         let fixed: Vec<ParamBinding> = l
             .values
             .iter()
@@ -40,12 +41,12 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
                 (_, None) => ParamBinding::Absent,
             })
             .collect();
-        while let Some(simpler) = (l.law.simpler)(&fixed) {
+        while let Some(simpler) = (l.law.cheaper.simpler)(&fixed) {
             l.law = simpler;
         }
         let live = fixed.contains(&ParamBinding::Live);
         let values: Vec<Option<f64>> = l.values.iter().map(|s| s.get(&item.slots)).collect();
-        let nothing = !live && l.law.linear && l.law.loaded(&values, net.tick_dt).iter().all(|c| *c == 0.0);
+        let nothing = !live && l.law.linear && loaded(l.law, &values, net.tick_dt).iter().all(|c| *c == 0.0);
         if nothing {
             zero += 1;
             if reported != Some(l.item) && !generated {

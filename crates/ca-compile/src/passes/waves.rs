@@ -10,8 +10,8 @@ use crate::net::worst::worst_bounds;
 use crate::net::{End, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
-use ca_core::tuning::wave::tune;
+use ca_core::Unit;
+use ca_core::internal::tuning::wave::tune;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};
@@ -76,7 +76,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
 /// What the links of each MAT need of its mass, if it is a junction \[kg\].
 fn needs(net: &Pruned) -> Vec<f64> {
     let mut needs = alloc::vec![0.0; net.mats.len()];
-    for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| !l.law.is_staged()) {
+    for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| l.law.stage.is_explicit()) {
         let moving = l.all_ends().filter(|e| net.under(*e).iter().any(|m| !net.mats[*m as usize].is_fixed())).count();
         let share = if b.contact { 2.0 } else { 0.5 * moving as f64 };
         for e in l.all_ends() {

@@ -26,11 +26,12 @@ pub struct Delays {
 
 /// The delays of a scene.
 pub fn delays<R: Real>(layout: &Layout<R>) -> Delays {
-    let frame = f64::from(layout.ratio) * layout.sample_dt;
-    let late = f64::from(layout.crossing.latency);
+    let frame = f64::from(layout.rates.ratio) * layout.rates.sample_dt;
+    let late = f64::from(layout.ports.crossing.latency);
     let force = frame * (1.0 + late);
-    let filter = layout.lowpass.len().saturating_sub(1) as f64 * layout.sample_dt / f64::from(layout.oversample());
-    let own = if layout.frame == 1 { 0.5 } else { 1.0 };
+    let filter =
+        layout.out.lowpass.len().saturating_sub(1) as f64 * layout.rates.sample_dt / f64::from(layout.oversample());
+    let own = if layout.rates.frame == 1 { 0.5 } else { 1.0 };
     Delays { frame, force, sound: force + filter, filter, spring: frame * (own + late) }
 }
 

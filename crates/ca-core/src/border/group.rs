@@ -18,7 +18,7 @@
 //! and made a spring across a negative damper of higher order; by the parabola it is a positive one. Energy is not kept:
 //! the ledger has an account of it.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::op::substep::phase;
@@ -27,9 +27,9 @@ use crate::state::{Between, SlowState, State, Unknown};
 /// Steps the group as a frame begins, and moves the copies of its places in every tick. Whether its border is
 /// compensated was chosen at load.
 pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some(group) = layout.slow.as_deref() else { return };
+    let Some(group) = layout.rates.slow.as_deref() else { return };
     let Some(mut slow) = s.slow.take() else { return };
-    let j = phase(layout.frame, s.tick);
+    let j = phase(layout.rates.frame, s.tick);
     if j == 0 {
         placed(group, &mut slow);
         // its ledger looks at what it holds
@@ -37,26 +37,27 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     } else if j == 1 {
         if COMPENSATED {
             let made = expect(layout, &mut slow);
-            s.ledger.iter_mut().for_each(|l| l.border += real(made));
+            s.ledger.iter_mut().for_each(|l| l.groups.border += R::Outer::of(made));
         }
         step::<R, COMPENSATED>(group, layout, s, &mut slow);
     }
     if j <= 1 {
         show(group, &slow, s);
         if let Some((l, own)) = s.ledger.as_mut().zip(slow.state.ledger.as_ref()) {
-            l.slow = own.balance();
+            l.groups.slow = own.balance();
         }
     }
-    let part = f64::from(j) / f64::from(layout.frame);
-    let whole = j == 0 || j == layout.frame;
+    let part = f64::from(j) / f64::from(layout.rates.frame);
+    let whole = j == 0 || j == layout.rates.frame;
     for (k, (p, b)) in group.ports.iter().zip(&slow.ports).enumerate() {
         let (m, at) = (p.at as usize, if whole { b.to } else { b.from + part * (b.to - b.from) });
-        let x = real(at);
+        let x = R::of(at);
         // as far as anyone can tell, it came to where it is at load as it goes on
-        s.d[m] = if j == 0 { slow.state.d[p.own as usize] * real(1.0 / f64::from(layout.frame)) } else { x - s.x[m] };
+        s.d[m] =
+            if j == 0 { slow.state.d[p.own as usize] * R::of(1.0 / f64::from(layout.rates.frame)) } else { x - s.x[m] };
         s.x[m] = x;
         if k < group.coupled {
-            s.f[m] = real(0.0);
+            s.f[m] = R::ZERO;
         }
     }
     s.slow = Some(slow);
@@ -64,14 +65,14 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
 
 /// Keeps the forces on what links across hold, after the forces of a tick; of a compensated border, their sum over the frame too.
 pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let (Some(group), Some(slow)) = (layout.slow.as_deref(), s.slow.as_mut()) else { return };
+    let (Some(group), Some(slow)) = (layout.rates.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
-        b.force = wide(s.f[p.at as usize]);
+        b.force = s.f[p.at as usize].wide();
     }
     if COMPENSATED {
-        let weight = match phase(layout.frame, s.tick) {
+        let weight = match phase(layout.rates.frame, s.tick) {
             0 => 0.0,
-            j if j == layout.frame => 0.5,
+            j if j == layout.rates.frame => 0.5,
             _ => 1.0,
         };
         slow.unknown.iter_mut().zip(&slow.ports).for_each(|(u, b)| u.sum += weight * b.force);
@@ -83,7 +84,7 @@ pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
 fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
     let mut made = 0.0;
     for (u, b) in slow.unknown.iter_mut().zip(&slow.ports) {
-        let missed = u.sum / f64::from(layout.frame) - u.given;
+        let missed = u.sum / f64::from(layout.rates.frame) - u.given;
         made -= missed * (b.to - b.from);
         let was = u.expected + missed;
         let [one, two] = u.last;
@@ -96,7 +97,7 @@ fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
 /// Where a place of the group is at the end of the frame.
 fn end<R: Real>(slow: &SlowState<R>, p: Copied) -> f64 {
     let m = p.own as usize;
-    wide(slow.state.x[m]) - 0.5 * wide(slow.state.d[m])
+    slow.state.x[m].wide() - 0.5 * slow.state.d[m].wide()
 }
 
 /// Its places were written: the copies begin the next frame where it is now, held by nothing across.
@@ -112,7 +113,7 @@ pub fn placed<R: Real>(group: &SlowGroup<R>, slow: &mut SlowState<R>) {
 /// The copies that are only looked at.
 fn show<R: Real>(group: &SlowGroup<R>, slow: &SlowState<R>, s: &mut State<R>) {
     for p in &group.shown {
-        s.x[p.at as usize] = real(end(slow, *p));
+        s.x[p.at as usize] = R::of(end(slow, *p));
     }
 }
 
@@ -149,23 +150,23 @@ fn couple<R: Real, const COMPENSATED: bool>(
     s: &State<R>,
     slow: &mut SlowState<R>,
 ) {
-    let (response, n) = (&group.response, group.layout.n_mat);
+    let (response, n) = (&group.response, group.layout.counts.n_mat);
     let width = 1 + 2 * response.places.len();
     let SlowState { state, ports, unknown, free } = slow;
-    let half = 0.5 / f64::from(layout.frame);
+    let half = 0.5 / f64::from(layout.rates.frame);
     for (i, p) in group.ports.iter().enumerate().take(group.coupled) {
         let row = &response.known[i * width..][..width];
         let mut force = row[0] + half * ports[i].force;
         for (weights, at) in row[1..].chunks_exact(2).zip(&response.places) {
             let at = *at as usize;
-            force += weights[0] * wide(s.x[at]) + weights[1] * wide(s.d[at]);
+            force += weights[0] * s.x[at].wide() + weights[1] * s.d[at].wide();
         }
         if COMPENSATED {
             force += unknown[i].expected;
         }
         let m = p.own as usize;
-        let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(wide);
-        let [p, q, c] = [0, n, 2 * n].map(|first| wide(state.coef[first + m]));
+        let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(R::wide);
+        let [p, q, c] = [0, n, 2 * n].map(|first| state.coef[first + m].wide());
         // half of it is the motion before, half that which the scheme makes of all these forces
         free[i] = 0.5 * (d + p * d + q * x + c * (f + force));
         state.input[i] = force;
@@ -174,7 +175,7 @@ fn couple<R: Real, const COMPENSATED: bool>(
         let row = &response.answer[i * group.coupled..][..group.coupled];
         let answer: f64 = row.iter().zip(&free[..]).map(|(a, d)| a * d).sum();
         state.input[i] += answer;
-        state.f[group.ports[i].own as usize] += real(state.input[i]);
+        state.f[group.ports[i].own as usize] += R::of(state.input[i]);
     }
     if COMPENSATED {
         unknown.iter_mut().zip(&state.input).for_each(|(u, force)| u.given = *force);

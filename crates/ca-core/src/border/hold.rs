@@ -5,15 +5,15 @@
 //! frame sooner and make energy, 3 % of what crosses (docs/numerics.md §5.1).
 
 use super::{begin, phase, place};
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick: that of the frame.
 pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ports = &layout.tgr[..op.n];
-    if phase(layout.frame, s.tick) <= 1 {
+    let ports = &layout.ports.tgr[..op.n];
+    if phase(layout.rates.frame, s.tick) <= 1 {
         begin::<R, LATE>(layout, s, ports);
     }
     place(s, ports, |b| b.to);
@@ -22,15 +22,15 @@ pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>
 /// The mean of the last force before the jump and the first after it. [`Border::sum`](crate::state::Border::sum) holds the
 /// last force of the frame before, then this mean until the frame ends.
 pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let j = phase(layout.frame, s.tick);
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        let f = wide(s.f[p.mat as usize]);
-        let b = &mut s.border[k];
+    let j = phase(layout.rates.frame, s.tick);
+    for (k, p) in layout.ports.tgr[..op.n].iter().enumerate() {
+        let f = s.f[p.mat as usize].wide();
+        let b = &mut s.ports.border[k];
         if j == 0 {
             b.sum = f;
         } else if j == 1 {
             b.sum = 0.5 * (b.sum + f);
-        } else if j == layout.frame {
+        } else if j == layout.rates.frame {
             b.force = b.sum;
             b.sum = f;
         }

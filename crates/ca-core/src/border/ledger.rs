@@ -8,7 +8,7 @@
 //! force and gives nothing. Signs are those of [`Border::force`](crate::state::Border::force), the force *on* the hand.
 
 use super::phase;
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -16,20 +16,20 @@ use crate::state::State;
 /// At the end of a frame, once its force is known. With `SYNC`, where the hand is sent the force of the tick, the mean
 /// with the one before is what the scene receives by.
 pub(super) fn ledger<R: Real, const SYNC: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let j = phase(layout.frame, s.tick);
-    if j != 0 && j != layout.frame {
+    let j = phase(layout.rates.frame, s.tick);
+    if j != 0 && j != layout.rates.frame {
         return;
     }
     let Some(l) = &mut s.ledger else { return };
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
+    for (k, p) in layout.ports.tgr[..op.n].iter().enumerate() {
         // what was taken at the start of the frame, whatever the caller has written since
-        let hand = s.last_input[p.input as usize];
-        let (b, e, f) = (&s.border[k], &mut l.hands[k], wide(s.f[p.mat as usize]));
+        let hand = s.ports.last_input[p.input as usize];
+        let (b, e, f) = (&s.ports.border[k], &mut l.hands[k], s.f[p.mat as usize].wide());
         if j > 0 {
             let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
             e.received -= mean * (b.to - b.from);
             e.given -= e.held * (hand - e.hand);
-            e.held = if layout.crossing.feedback { b.force } else { 0.0 };
+            e.held = if layout.ports.crossing.feedback { b.force } else { 0.0 };
         }
         (e.hand, e.last) = (hand, f);
     }

@@ -11,7 +11,7 @@
 //! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
 //! held by the device until the next.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use crate::op::layout::{Enx, Layout, Way};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
@@ -28,7 +28,7 @@ pub use delays::{Delays, delays};
 
 /// True where the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
 pub fn frame_due<R: Real>(layout: &Layout<R>, sample: u64) -> bool {
-    phase(layout.ratio, sample) <= 1
+    phase(layout.rates.ratio, sample) <= 1
 }
 
 /// The pass that moves device ports.
@@ -61,7 +61,7 @@ pub fn ledger<R: Real>(way: Way) -> Kernel<R> {
 /// what was collected lies with the ledger between ticks, and the state is that of a scene without one.
 pub fn mute<R: Real>(op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
-    for (b, e) in s.border[..op.n].iter_mut().zip(&mut l.hands) {
+    for (b, e) in s.ports.border[..op.n].iter_mut().zip(&mut l.hands) {
         core::mem::swap(&mut b.sum, &mut e.sum);
         b.force = 0.0;
     }
@@ -74,22 +74,22 @@ fn arrive<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, k: us
     if !LATE {
         return x;
     }
-    let n = layout.crossing.latency as usize;
+    let n = layout.ports.crossing.latency as usize;
     let line = k * n..(k + 1) * n;
     if s.tick == 0 {
-        s.late[line].fill(x);
+        s.ports.late[line].fill(x);
         return x;
     }
-    let frame = (s.tick - 1) / u64::from(layout.frame) + 1;
+    let frame = (s.tick - 1) / u64::from(layout.rates.frame) + 1;
     let at = line.start + (frame % n as u64) as usize;
-    core::mem::replace(&mut s.late[at], x)
+    core::mem::replace(&mut s.ports.late[at], x)
 }
 
 /// Takes in the positions of all ports for the frame that begins.
 fn begin<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, ports: &[Enx<R>]) {
     for (k, p) in ports.iter().enumerate() {
-        let x = arrive::<R, LATE>(layout, s, k, p) - wide(p.rest);
-        let b = &mut s.border[k];
+        let x = arrive::<R, LATE>(layout, s, k, p) - p.rest.wide();
+        let b = &mut s.ports.border[k];
         b.from = if s.tick == 0 { x } else { b.to };
         b.to = x;
     }
@@ -102,10 +102,10 @@ fn place<R: Real>(s: &mut State<R>, ports: &[Enx<R>], at: impl Fn(&Border) -> f6
     let x = &mut s.x[..];
     // of one length, so that a port is looked up once in all
     let (d, f) = (&mut s.d[..x.len()], &mut s.f[..x.len()]);
-    for (p, b) in ports.iter().zip(&s.border) {
-        let (m, to) = (p.mat as usize, real(at(b)));
-        d[m] = if first { real(0.0) } else { to - x[m] };
+    for (p, b) in ports.iter().zip(&s.ports.border) {
+        let (m, to) = (p.mat as usize, R::of(at(b)));
+        d[m] = if first { R::ZERO } else { to - x[m] };
         x[m] = to;
-        f[m] = real(0.0);
+        f[m] = R::ZERO;
     }
 }

@@ -4,14 +4,14 @@
 //! rate there is nothing to resample, and this is the delay the papers take for granted.
 
 use super::{begin, place};
-use crate::numeric::{Real, wide};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Position of device ports at this tick.
 pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ports = &layout.tgr[..op.n];
+    let ports = &layout.ports.tgr[..op.n];
     begin::<R, LATE>(layout, s, ports);
     place(s, ports, |b| b.to);
 }
@@ -21,7 +21,7 @@ pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>)
     if s.tick == 0 {
         return;
     }
-    for (k, p) in layout.tgr[..op.n].iter().enumerate() {
-        s.border[k].force = wide(s.f[p.mat as usize]);
+    for (k, p) in layout.ports.tgr[..op.n].iter().enumerate() {
+        s.ports.border[k].force = s.f[p.mat as usize].wide();
     }
 }

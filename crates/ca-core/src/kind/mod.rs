@@ -12,7 +12,7 @@ mod param;
 
 use crate::op::Law;
 use builder::Generator;
-pub use param::{ABOVE_ZERO, ANY, Dim, Need, OneOf, POSITIVE, Param, Type, Unit};
+pub use param::{ABOVE_ZERO, ANY, Dim, Need, OneOf, POSITIVE, Param, Type, Unit, alg_to_si};
 
 /// The three coefficients of a MAT for one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -78,14 +78,14 @@ impl Name {
     }
 
     /// True where `other` is the module `n` places behind this one.
-    pub fn continues(&self, n: u32, other: &Name) -> bool {
+    pub(crate) fn continues(&self, n: u32, other: &Name) -> bool {
         let same = Arc::ptr_eq(&self.of, &other.of) && (self.part, self.axis) == (other.part, other.axis);
         same && self.index != Index::None && self.index.plus(n) == other.index
     }
 
     /// The name of the module `n` places behind it.
     #[must_use]
-    pub fn plus(&self, n: u32) -> Name {
+    pub(crate) fn plus(&self, n: u32) -> Name {
         Name { index: self.index.plus(n), ..self.clone() }
     }
 }

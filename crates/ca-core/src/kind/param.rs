@@ -17,47 +17,9 @@ pub struct Dim {
 }
 
 impl Dim {
-    /// A plain number.
-    pub const NONE: Dim = Dim::new(0.0, 0.0, 0.0);
-    /// \[m\]
-    pub const LENGTH: Dim = Dim::new(1.0, 0.0, 0.0);
-    /// \[kg\]
-    pub const MASS: Dim = Dim::new(0.0, 1.0, 0.0);
-    /// \[s\]
-    pub const TIME: Dim = Dim::new(0.0, 0.0, 1.0);
-    /// \[Hz\]
-    pub const FREQUENCY: Dim = Dim::new(0.0, 0.0, -1.0);
-    /// \[m/s\]
-    pub const VELOCITY: Dim = Dim::new(1.0, 0.0, -1.0);
-    /// \[m/s^2\]
-    pub const ACCELERATION: Dim = Dim::new(1.0, 0.0, -2.0);
-    /// \[N\]
-    pub const FORCE: Dim = Dim::new(1.0, 1.0, -2.0);
-    /// \[N/m\]
-    pub const STIFFNESS: Dim = Dim::new(0.0, 1.0, -2.0);
-    /// \[N s/m\]
-    pub const VISCOSITY: Dim = Dim::new(0.0, 1.0, -1.0);
-    /// \[kg/m\]
-    pub const LINEAR_DENSITY: Dim = Dim::new(-1.0, 1.0, 0.0);
-    /// \[N/m^3\]
-    pub const CUBIC: Dim = Dim::new(-2.0, 1.0, -2.0);
-    /// \[N s\]
-    pub const MOMENTUM: Dim = Dim::new(1.0, 1.0, -1.0);
-    /// \[m/N\]
-    pub const COMPLIANCE: Dim = Dim::new(0.0, -1.0, 2.0);
-    /// \[J\]
-    pub const ENERGY: Dim = Dim::new(2.0, 1.0, -2.0);
-    /// \[W\]
-    pub const POWER: Dim = Dim::new(2.0, 1.0, -3.0);
-
     /// A dimension from its three exponents.
     pub const fn new(m: f64, kg: f64, s: f64) -> Dim {
         Dim { m, kg, s }
-    }
-
-    /// \[N/m^p\], the stiffness of a power law of exponent `p`.
-    pub const fn power_stiffness(p: f64) -> Dim {
-        Dim::new(1.0 - p, 1.0, -2.0)
     }
 
     /// True where both are the same to 1e-9, which absorbs the rounding of rational exponents.
@@ -65,13 +27,13 @@ impl Dim {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         near(self.m, other.m) && near(self.kg, other.kg) && near(self.s, other.s)
     }
+}
 
-    /// Factor from `alg` units to SI. Algorithmic units keep the metre and the newton and take one sample of the
-    /// reference rate, `tr` \[s\], as unit of time, so a mass unit is tr² kg and a viscosity unit tr N s/m
-    /// (GENESIS and mi.lib: M = m/T², Z = z/T, K = k).
-    pub fn alg_to_si(self, tr: f64) -> f64 {
-        libm::pow(tr, 2.0 * self.kg + self.s)
-    }
+/// Factor from `alg` units of a dimension to SI. Algorithmic units keep the metre and the newton and take one sample of the
+/// reference rate, `tr` \[s\], as unit of time, so a mass unit is tr² kg and a viscosity unit tr N s/m
+/// (GENESIS and mi.lib: M = m/T², Z = z/T, K = k).
+pub fn alg_to_si(dim: Dim, tr: f64) -> f64 {
+    libm::pow(tr, 2.0 * dim.kg + dim.s)
 }
 
 /// A unit as authors read it, with its dimension.
@@ -89,59 +51,60 @@ macro_rules! units {
             $($(#[$doc])* pub const $name: Unit = Unit { symbol: $symbol, dim: $dim };)*
 
             /// All units that have a name here.
-            pub const NAMED: &[Unit] = &[$(Unit::$name),*];
+            #[cfg(feature = "bytes")]
+            pub(crate) const NAMED: &[Unit] = &[$(Unit::$name),*];
         }
     };
 }
 units! {
     /// plain number
-    NONE = "", Dim::NONE;
+    NONE = "", Dim::new(0.0, 0.0, 0.0);
     /// metre
-    METRE = "m", Dim::LENGTH;
+    METRE = "m", Dim::new(1.0, 0.0, 0.0);
     /// kilogram
-    KILOGRAM = "kg", Dim::MASS;
+    KILOGRAM = "kg", Dim::new(0.0, 1.0, 0.0);
     /// second
-    SECOND = "s", Dim::TIME;
+    SECOND = "s", Dim::new(0.0, 0.0, 1.0);
     /// hertz
-    HERTZ = "Hz", Dim::FREQUENCY;
+    HERTZ = "Hz", Dim::new(0.0, 0.0, -1.0);
     /// metre per second
-    SPEED = "m/s", Dim::VELOCITY;
+    SPEED = "m/s", Dim::new(1.0, 0.0, -1.0);
     /// metre per second squared
-    ACCELERATION = "m/s^2", Dim::ACCELERATION;
+    ACCELERATION = "m/s^2", Dim::new(1.0, 0.0, -2.0);
     /// newton
-    NEWTON = "N", Dim::FORCE;
+    NEWTON = "N", Dim::new(1.0, 1.0, -2.0);
     /// stiffness
-    STIFFNESS = "N/m", Dim::STIFFNESS;
+    STIFFNESS = "N/m", Dim::new(0.0, 1.0, -2.0);
     /// viscosity
-    VISCOSITY = "N s/m", Dim::VISCOSITY;
+    VISCOSITY = "N s/m", Dim::new(0.0, 1.0, -1.0);
     /// mass per length
-    LINEAR_DENSITY = "kg/m", Dim::LINEAR_DENSITY;
+    LINEAR_DENSITY = "kg/m", Dim::new(-1.0, 1.0, 0.0);
     /// cubic stiffness
-    CUBIC = "N/m^3", Dim::CUBIC;
+    CUBIC = "N/m^3", Dim::new(-2.0, 1.0, -2.0);
     /// momentum, impulse
-    MOMENTUM = "N s", Dim::MOMENTUM;
+    MOMENTUM = "N s", Dim::new(1.0, 1.0, -1.0);
     /// compliance
-    COMPLIANCE = "m/N", Dim::COMPLIANCE;
+    COMPLIANCE = "m/N", Dim::new(0.0, -1.0, 2.0);
     /// joule
-    JOULE = "J", Dim::ENERGY;
+    JOULE = "J", Dim::new(2.0, 1.0, -2.0);
     /// watt
-    WATT = "W", Dim::POWER;
+    WATT = "W", Dim::new(2.0, 1.0, -3.0);
 }
 
 impl Unit {
     /// Symbols of the stiffness of power laws of exponents 1, 1.25 … 5.
-    pub const POWERS: [&str; 17] = [
+    pub(crate) const POWERS: [&str; 17] = [
         "N/m", "N/m^1.25", "N/m^1.5", "N/m^1.75", "N/m^2", "N/m^2.25", "N/m^2.5", "N/m^2.75", "N/m^3", "N/m^3.25",
         "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
     ];
     /// Symbol of the stiffness of a power law of any other exponent.
-    pub const ANY_POWER: &str = "N/m^p";
+    pub(crate) const ANY_POWER: &str = "N/m^p";
 
     /// Stiffness of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
     pub fn power_stiffness(p: f64) -> Unit {
         let place = libm::round(4.0 * (p - 1.0)).max(0.0) as usize;
         let symbol = Unit::POWERS.get(place).copied().unwrap_or(Unit::ANY_POWER);
-        Unit { symbol, dim: Dim::power_stiffness(p) }
+        Unit { symbol, dim: Dim::new(1.0 - p, 1.0, -2.0) }
     }
 }
 

@@ -10,8 +10,9 @@
 
 use super::{free_motion, mobility};
 use crate::law::Bound;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 
@@ -23,10 +24,9 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     Law {
         code,
         mem: MEM,
-        bound: |_, _| Bound { curve: true, ..Bound::default() },
+        at_load: LoadFns { bound: |_, _| Bound { curve: true, ..Bound::default() }, ..curve.at_load },
         stage: SolveStage::Single(together),
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: fns(curve.fns),
         ..curve
     }
@@ -37,8 +37,8 @@ pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
         // what stands still at load sticks
         start: |_, [_, w], mem| {
-            mem[0] = real(if w == R::ZERO { 1.0 } else { 0.0 });
-            mem[1] = real(0.0);
+            mem[0] = R::of(if w == R::ZERO { 1.0 } else { 0.0 });
+            mem[1] = R::ZERO;
         },
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         kernel: |_| rub,
@@ -50,20 +50,20 @@ pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
 fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let [f, fd]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
         let mem = op.mem + MEM * i;
-        let stuck = s.mem[mem] != R::ZERO;
+        let stuck = s.links.mem[mem] != R::ZERO;
         // what stuck has no motion but that of rounding
-        let w = if stuck { real(0.0) } else { s.d[q] - s.d[p] };
+        let w = if stuck { R::ZERO } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
         let c = mobility(layout, s, p) + mobility(layout, s, q);
         let (force, sticks) = hold([f, fd], [w, r], c, stuck);
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[mem] = if sticks { real(1.0) } else { real(0.0) };
-        s.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
+        s.links.mem[mem] = if sticks { R::of(1.0) } else { R::ZERO };
+        s.links.mem[mem + 1] = force * R::of(0.5) * (w + (r - c * force));
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
@@ -73,7 +73,7 @@ fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 pub fn hold<R: Real>([f, fd]: [R; 2], [w, r]: [R; 2], c: R, stuck: bool) -> (R, bool) {
     let most = if stuck { f } else { fd };
     if w * r < R::ZERO || (c <= R::ZERO && r == R::ZERO) {
-        return (real(0.0), stuck && c <= R::ZERO);
+        return (R::ZERO, stuck && c <= R::ZERO);
     }
     // between two ports nothing can be held
     let needed = if c > R::ZERO { r / c } else { R::INFINITY.copysign(r) };

@@ -19,9 +19,10 @@ use super::newton::root;
 use super::quadratised::{join, reach};
 use super::{free_motion, mobility};
 use crate::law::{Bound, Phi};
-use crate::numeric::{Real, Table, real, wide};
+use crate::numeric::{Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
@@ -51,10 +52,9 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     Law {
         code,
         mem: 1,
-        bound: bound::<P, C>,
+        at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
         stage: SolveStage::Single(together),
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: alone_fns::<f64, P, C, NEWTON>(curve.fns),
         ..curve
     }
@@ -65,7 +65,7 @@ pub const fn alone_fns<R: Real, P: Curve<C> + 'static, const C: usize, const NEW
     curve: LawFns<R>,
 ) -> LawFns<R> {
     LawFns {
-        start: |_, _, mem| mem.fill(real(0.0)),
+        start: |_, _, mem| mem.fill(R::ZERO),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[0]),
         kernel: |_| rub::<R, P, C, NEWTON>,
         ..curve
@@ -77,10 +77,9 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     Law {
         code,
         mem: 2,
-        bound: bound::<P, C>,
+        at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
         stage: SolveStage::Coupled,
-        simpler: |_| None,
-        variants: &[],
+        cheaper: Cheaper::NONE,
         fns: together_fns::<f64, P, C>(curve.fns),
         ..curve
     }
@@ -89,7 +88,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
 /// Its functions, made of the functions of the curve.
 pub const fn together_fns<R: Real, P: Curve<C> + 'static, const C: usize>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
-        start: |_, _, mem| mem.fill(real(0.0)),
+        start: |_, _, mem| mem.fill(R::ZERO),
         energies: Energies::kept(curve.energies.stored, |_, mem, _, _| mem[1]),
         kernel: kernel::<R, P, C>,
         ..curve
@@ -114,14 +113,14 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
     let tables = &layout.tables;
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
         let w = s.d[q] - s.d[p];
         let r = R::of(0.5) * (w + (free_motion(layout, s, q) - free_motion(layout, s, p)));
         let c = R::of(0.5) * (mobility(layout, s, p) + mobility(layout, s, q));
         let mut steep = P::chord(&coef, tables, w).max(R::ZERO);
-        if NEWTON && R::of(2.0) * c * real(P::steep(&coef.map(wide), tables)) < R::of(STEEPEST) {
-            let u = root(r / (R::of(1.0) + c * steep), [r.min(R::ZERO), r.max(R::ZERO)], real(0.0), |u| {
-                let force = P::force(&coef, &mut [], tables, real(0.0), u);
+        if NEWTON && R::of(2.0) * c * R::of(P::steep(&coef.map(R::wide), tables)) < R::of(STEEPEST) {
+            let u = root(r / (R::of(1.0) + c * steep), [r.min(R::ZERO), r.max(R::ZERO)], R::ZERO, |u| {
+                let force = P::force(&coef, &mut [], tables, R::ZERO, u);
                 (u + c * force - r, R::of(1.0) + c * P::slope(&coef, tables, u))
             });
             steep = P::chord(&coef, tables, u).max(R::ZERO);
@@ -130,9 +129,9 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
         let force = steep * moved;
         s.f[p] += force;
         s.f[q] -= force;
-        s.mem[op.mem + i] = force * moved;
+        s.links.mem[op.mem + i] = force * moved;
         if op.form.tap {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }
@@ -141,11 +140,11 @@ fn rub<R: Real, P: Curve<C>, const C: usize, const NEWTON: bool>(op: &Op<R>, lay
 fn gather<R: Real, P: Curve<C>, G: Measure, const C: usize>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
+        let ends = layout.links.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, measured.w).max(R::ZERO);
-        let link = reach::<R, G>(op, layout, s, i, real(1.0), measured.gradient());
+        let link = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());
         join(s, ActiveContact { z, ..link });
     }
 }

@@ -18,7 +18,7 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility};
-use crate::numeric::{Real, real, sqrt};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::{Energies, Law, LawFns, Op, SolveStage};
 use crate::state::State;
@@ -31,7 +31,7 @@ pub const fn law<S: Spring<f64>>(spring: Law, other: &'static Law) -> Law {
 /// Its functions, made of the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
-        start: |_, _, mem| mem.fill(real(0.0)),
+        start: |_, _, mem| mem.fill(R::ZERO),
         energies: Energies::kept(spring.energies.stored, |_, mem, _, _| mem[0]),
         kernel: |_| push::<R, S>,
         ..spring
@@ -44,7 +44,7 @@ fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
     if a >= R::ZERO {
         let g = h * spring.hard(a);
         if e < g * a {
-            let (p, q) = (a + e, sqrt((a - e) * (a - e) + R::of(4.0) * g * a * a));
+            let (p, q) = (a + e, ((a - e) * (a - e) + R::of(4.0) * g * a * a).sqrt());
             return if p > R::ZERO { R::of(2.0) * a * (e - g * a) / (p + q) } else { R::of(0.5) * (p - q) };
         }
     } else if e <= R::ZERO {
@@ -57,13 +57,13 @@ fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
 fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
-        let [p, q] = layout.ends[op.first + i].map(|m| m as usize);
-        let e = s.x[q] - s.x[p] + layout.e0[op.first + i];
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
+        let e = s.x[q] - s.x[p] + layout.links.e0[op.first + i];
         let now = contact.penetration(e);
         let a = now + contact.side * (s.d[q] - s.d[p]);
         let free = contact.penetration(e + (free_motion(layout, s, q) - free_motion(layout, s, p)));
-        let z = if now > R::ZERO { contact.spring.viscosity(contact.k, now) } else { real(0.0) };
-        let (mut force, mut heat) = (real(0.0), real(0.0));
+        let z = if now > R::ZERO { contact.spring.viscosity(contact.k, now) } else { R::ZERO };
+        let (mut force, mut heat) = (R::ZERO, R::ZERO);
         if free > R::ZERO || a > R::ZERO || z > R::ZERO {
             let c = mobility(layout, s, p) + mobility(layout, s, q);
             let beta = R::of(0.5) * c * z;
@@ -74,15 +74,15 @@ fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>)
             force += R::of(0.5) * z * moved;
             heat = R::of(0.25) * z * moved * moved;
             if contact.clip && force < R::ZERO {
-                (force, heat) = (real(0.0), R::of(0.5) * (contact.potential(a) - contact.potential(free)));
+                (force, heat) = (R::ZERO, R::of(0.5) * (contact.potential(a) - contact.potential(free)));
             }
         }
         let tension = -contact.side * force;
         s.f[p] += tension;
         s.f[q] -= tension;
-        s.mem[op.mem + i] = heat;
+        s.links.mem[op.mem + i] = heat;
         if op.form.tap {
-            s.tap[op.tap + i] = tension;
+            s.links.tap[op.tap + i] = tension;
         }
     }
 }

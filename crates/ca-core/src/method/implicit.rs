@@ -16,8 +16,8 @@
 //! change step together in one tick, since half-way between two factors is the factor of neither. Between whom a port
 //! goes is not known yet: it goes on as it went.
 
+use crate::numeric::Real;
 use crate::numeric::ldl::Pattern;
-use crate::numeric::{Real, wide};
 use crate::op::Op;
 use crate::op::layout::{ImplicitLinks, Layout};
 use crate::state::State;
@@ -31,9 +31,9 @@ pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
 /// Replaces forces by those that the matrix of inertia lets act.
 pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(a) = &layout.implicit else { return };
-    let n = layout.n_mat;
+    let n = layout.counts.n_mat;
     let (factor, inertia) = s.coef[a.coef..].split_at(a.pattern.numbers());
-    let (u, own) = s.implicit.split_at_mut(a.places.len());
+    let (u, own) = s.links.implicit.split_at_mut(a.places.len());
     for (((u, own), p), inertia) in u.iter_mut().zip(&mut *own).zip(&a.places).zip(inertia) {
         let p = *p as usize;
         // what the spring and damper of a MAT of its own add to its motion, as a force
@@ -50,10 +50,10 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// Completes the force of links that are heard, and of what they hold.
 fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     for l in &a.forces {
-        let turned: R = l.moving.iter().map(|(i, w)| *w * s.implicit[*i as usize]).sum();
-        let more = R::of(inertia(&l.coef.map(|c| wide(s.coef[c as usize])))) * turned;
+        let turned: R = l.moving.iter().map(|(i, w)| *w * s.links.implicit[*i as usize]).sum();
+        let more = R::of(inertia(&l.coef.map(|c| s.coef[c as usize].wide()))) * turned;
         if let Some(t) = l.tap {
-            s.tap[t as usize] += more;
+            s.links.tap[t as usize] += more;
         }
         for (p, w) in &l.fixed {
             s.f[*p as usize] -= *w * more;
@@ -67,7 +67,7 @@ fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
 /// the force from before the tick may be 10⁶ times what acts in the end, and its last digit would stretch the link.
 pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(implicit) = &layout.implicit else { return };
-    let n = layout.n_mat;
+    let n = layout.counts.n_mat;
     let (p, q, c) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n]);
     let numbers = s.coef[op.coef..].chunks_exact(OF_PAIR);
     for (pair, numbers) in implicit.pairs.iter().zip(numbers) {
@@ -85,7 +85,7 @@ pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let acting = (acts(a, free_a, own_a, inertia_a, more), acts(b, free_b, own_b, inertia_b, -more));
         (s.f[a], s.f[b]) = acting;
         if let Some(t) = pair.tap {
-            s.tap[t as usize] += more;
+            s.links.tap[t as usize] += more;
         }
     }
 }

@@ -29,11 +29,11 @@ use crate::state::State;
 /// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:
 /// where it will be is not known yet.
 pub fn free_motion<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R {
-    let n = layout.n_mat;
+    let n = layout.counts.n_mat;
     s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot]
 }
 
 /// Mobility T²/m of a slot \[m/N\].
 pub fn mobility<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R {
-    s.coef[2 * layout.n_mat + slot]
+    s.coef[2 * layout.counts.n_mat + slot]
 }

@@ -3,7 +3,7 @@
 //! Decides for Newton's step where it stays between the bounds and halving where it does not, so that a kink or a flat
 //! place costs a step and never the root; what is returned lies between the bounds whatever the function is.
 
-use crate::numeric::{Precision, Real, real, wide};
+use crate::numeric::{Precision, Real};
 
 /// More is never taken: halving alone leaves nothing of a double's 53 bits.
 const STEPS: usize = 64;
@@ -33,7 +33,7 @@ fn derived<R: Real>(root: R, at: impl Fn(R) -> (R, R)) -> R {
     if !matches!(R::PRECISION, Precision::Dual) {
         return root;
     }
-    let root: R = real(wide(root));
+    let root: R = R::of(root.wide());
     let (value, slope) = at(root);
-    if slope == R::ZERO { root } else { root - (value - real(wide(value))) / slope }
+    if slope == R::ZERO { root } else { root - (value - R::of(value.wide())) / slope }
 }

@@ -9,7 +9,7 @@
 //! on positions alone will do. It is symplectic and reversible, so energy ripples and does not drift. A force that
 //! hangs on motion, or remembers, has no place in it, and is refused by the compiler.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd, wide};
@@ -46,7 +46,7 @@ impl<R: Real> Body<R> for Drift {
         let (n, share) = (op.n, R::of(DRIFTS[op.first]));
         for ((x, d), f) in s.x[..n].iter_mut().zip(&s.d[..n]).zip(&mut s.f[..n]) {
             *x += share * *d;
-            *f = real(0.0);
+            *f = R::ZERO;
         }
     }
 }
@@ -67,12 +67,12 @@ impl<R: Real, const OWN: bool> Body<R> for Kick<OWN> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, share) = (op.n, R::of(KICKS[op.first]));
-        let c = &s.coef[2 * layout.n_mat..][..n];
+        let c = &s.coef[2 * layout.counts.n_mat..][..n];
         for ((d, f), c) in s.d[..n].iter_mut().zip(&s.f[..n]).zip(c) {
             *d += share * (*c * *f);
         }
         if OWN {
-            let q = &s.coef[layout.n_mat..][..n];
+            let q = &s.coef[layout.counts.n_mat..][..n];
             for ((d, x), q) in s.d[..n].iter_mut().zip(&s.x[..n]).zip(q) {
                 *d += share * (*q * *x);
             }

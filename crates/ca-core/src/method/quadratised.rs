@@ -32,7 +32,7 @@
 
 use super::spring::{Contact, Spring};
 use super::{free_motion, mobility, modes};
-use crate::numeric::{Precision, Real, real, sqrt};
+use crate::numeric::{Precision, Real};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
@@ -42,12 +42,12 @@ use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
 fn exact<R: Real>() -> R {
-    real(if matches!(R::PRECISION, Precision::Single) { 3e-13 } else { 1e-30 })
+    R::of(if matches!(R::PRECISION, Precision::Single) { 3e-13 } else { 1e-30 })
 }
 
 /// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
 fn nothing<R: Real>() -> R {
-    real(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
+    R::of(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
 }
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
@@ -60,8 +60,8 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |c, [e, _], mem| {
             let b = Contact::<R, S>::of(c);
-            mem[0] = sqrt(R::of(2.0) * b.potential(b.penetration(e)));
-            mem[1] = real(0.0);
+            mem[0] = (R::of(2.0) * b.potential(b.penetration(e))).sqrt();
+            mem[1] = R::ZERO;
         },
         energies: Energies::kept(|_, mem, _, _, _| R::of(0.5) * mem[0] * mem[0], |_, mem, _, _| mem[1]),
         kernel: kernel::<R, S>,
@@ -81,13 +81,13 @@ fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
 fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
-        let ends = layout.ends[op.first + i].map(|m| m as usize);
-        let at = if G::SPACE { layout.reach[op.ports.reach + i] } else { [real(0.0); 4] };
+        let ends = layout.links.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
         let mem = op.mem + 2 * i;
-        let psi = s.mem[mem];
-        s.mem[mem + 1] = real(0.0);
+        let psi = s.links.mem[mem];
+        s.links.mem[mem + 1] = R::ZERO;
         if op.form.tap {
-            s.tap[op.tap + i] = real(0.0);
+            s.links.tap[op.tap + i] = R::ZERO;
         }
         if psi == R::ZERO {
             // idle, without the square root
@@ -97,20 +97,20 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             }
         }
         let measured = G::measure(&s.x, &s.d, ends, &at);
-        let eta = contact.penetration(measured.e + layout.e0[op.first + i]);
+        let eta = contact.penetration(measured.e + layout.links.e0[op.first + i]);
         if eta < R::ZERO && psi * psi <= nothing() {
-            s.mem[mem] = real(0.0);
+            s.links.mem[mem] = R::ZERO;
             continue;
         }
         let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
         let (free, w) = (link.free, link.diag);
         let (gamma, z) = match (eta >= R::ZERO, free < R::ZERO) {
             (true, opening) => {
-                let gamma = if opening && psi == R::ZERO { real(0.0) } else { contact.spring.gamma(contact.k, eta) };
+                let gamma = if opening && psi == R::ZERO { R::ZERO } else { contact.spring.gamma(contact.k, eta) };
                 (gamma, contact.spring.viscosity(contact.k, eta))
             }
-            (false, true) => (R::of(4.0) * psi / (sqrt(free * free + R::of(4.0) * w * psi * psi) - free), real(0.0)),
-            (false, false) => (real(0.0), real(0.0)),
+            (false, true) => (R::of(4.0) * psi / ((free * free + R::of(4.0) * w * psi * psi).sqrt() - free), R::ZERO),
+            (false, false) => (R::ZERO, R::ZERO),
         };
         join(s, ActiveContact { clip: contact.clip, open: eta < R::ZERO, gamma, psi, z, ..link });
     }
@@ -127,8 +127,8 @@ pub(super) fn reach<R: Real, G: Measure>(
     u: Vector3<R>,
 ) -> ActiveContact<R> {
     let g: [R; 3] = (u * -side).into();
-    let (ends, axes) = (layout.ends[op.first + i], if G::SPACE { 3 } else { 1 });
-    let (mut free, mut w) = (real(0.0), real(0.0));
+    let (ends, axes) = (layout.links.ends[op.first + i], if G::SPACE { 3 } else { 1 });
+    let (mut free, mut w) = (R::ZERO, R::ZERO);
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
         free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
@@ -141,7 +141,7 @@ pub(super) fn reach<R: Real, G: Measure>(
 /// Adds a link to those of this tick, if it does anything.
 pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
-    let touches = &mut s.touches;
+    let touches = &mut s.links.touches;
     let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
     *t = ActiveContact { stiff, diag: link.diag + R::of(1.0) / stiff, ..link };
     touches.n += 1;
@@ -176,7 +176,7 @@ fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut R
     }
     for t in &*list {
         for (a, b, _) in places(t) {
-            (push[a], push[b]) = (real(0.0), real(0.0));
+            (push[a], push[b]) = (R::ZERO, R::ZERO);
         }
     }
     if MODES {
@@ -190,9 +190,9 @@ fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut
         t.p = t.gamma * t.psi;
     }
     respond(list, to);
-    let mut rho = real(0.0);
+    let mut rho = R::ZERO;
     for t in &mut *list {
-        (t.y, t.r) = (real(0.0), t.free - t.q);
+        (t.y, t.r) = (R::ZERO, t.free - t.q);
         t.p = t.r / t.diag;
         rho += t.r * t.p;
     }
@@ -200,17 +200,17 @@ fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut
     // in exact arithmetic as many steps as contacts; rounding may ask for more
     for _ in 0..10 * list.len() + 10 {
         // what is not finite is not for here to find out
-        if rho.is_nan() || rho <= goal {
+        if rho.wide().is_nan() || rho <= goal {
             break;
         }
         respond(list, to);
-        let mut along = real(0.0);
+        let mut along = R::ZERO;
         for t in &mut *list {
             t.q += t.p / t.stiff;
             along += t.p * t.q;
         }
         let (step, before) = (rho / along, rho);
-        rho = real(0.0);
+        rho = R::ZERO;
         for t in &mut *list {
             t.y += step * t.p;
             t.r -= step * t.q;
@@ -234,8 +234,9 @@ pub fn solve_modes<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 #[inline(always)]
 fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ActiveContacts { n, list, push } = &mut s.touches;
-    let mut to = Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap };
+    let ActiveContacts { n, list, push } = &mut s.links.touches;
+    let mut to =
+        Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.counts.n_mat..], push, tap: &mut s.links.tap };
     let all = &mut list[..core::mem::take(n)];
     let mut acting = all.len();
     loop {
@@ -259,30 +260,35 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
         t.p = t.gamma * t.psi + t.y;
         let left = (t.psi + R::of(0.5) * t.gamma * moved).abs();
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
-        s.mem[t.mem] = if nothing { real(0.0) } else { left };
-        s.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
+        s.links.mem[t.mem] = if nothing { R::ZERO } else { left };
+        s.links.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
         for k in 0..t.axes {
             let [a, b] = t.ends.map(|m| m as usize + k);
             s.f[a] += t.g[k] * t.p;
             s.f[b] -= t.g[k] * t.p;
         }
         if let Some(tap) = t.tap {
-            s.tap[tap] = -t.side * t.p;
+            s.links.tap[tap] = -t.side * t.p;
         }
     }
     if acting < all.len() {
         for t in &mut all[acting..] {
-            t.p = real(0.0);
+            t.p = R::ZERO;
         }
         respond(
             all,
-            &mut Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.n_mat..], push, tap: &mut s.tap },
+            &mut Response::<R, MODES> {
+                layout,
+                mobility: &s.coef[2 * layout.counts.n_mat..],
+                push,
+                tap: &mut s.links.tap,
+            },
         );
         for t in &all[acting..] {
             let follows = t.psi + R::of(0.5) * t.gamma * (t.free - t.q);
             let left = follows.abs().min(t.psi);
-            s.mem[t.mem] = left;
-            s.mem[t.mem + 1] = R::of(0.5) * (t.psi - left) * (t.psi + left);
+            s.links.mem[t.mem] = left;
+            s.links.mem[t.mem + 1] = R::of(0.5) * (t.psi - left) * (t.psi + left);
         }
     }
 }

@@ -5,7 +5,7 @@
 //! power law F = q η^p is then 2q/(p + 1).
 
 use super::newton::root;
-use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root, real, sqrt};
+use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
 
@@ -66,7 +66,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
 
     /// Potential energy \[J\] at a penetration.
     pub fn potential(&self, eta: R) -> R {
-        if eta > R::ZERO { R::of(0.5) * self.k * self.spring.hard(eta) * eta * eta } else { real(0.0) }
+        if eta > R::ZERO { R::of(0.5) * self.k * self.spring.hard(eta) * eta * eta } else { R::ZERO }
     }
 
     /// (U(s) − U(a)) / (s − a) \[N\].
@@ -76,7 +76,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
             (true, true) => R::of(0.5) * k * spring.mean(s, a),
             (true, false) => R::of(0.5) * k * spring.hard(s) * s * (s / (s - a)),
             (false, true) => R::of(0.5) * k * spring.hard(a) * a * (a / (a - s)),
-            (false, false) => real(0.0),
+            (false, false) => R::ZERO,
         }
     }
 }
@@ -97,7 +97,7 @@ impl<R: Real> Spring<R> for Linear<R> {
         self.z
     }
     fn hard(self, _eta: R) -> R {
-        real(1.0)
+        R::of(1.0)
     }
     fn mean(self, s: R, a: R) -> R {
         s + a
@@ -107,11 +107,11 @@ impl<R: Real> Spring<R> for Linear<R> {
             return (e - h * a) / (R::of(1.0) + h);
         }
         let p = a + e;
-        let q = sqrt(p * p - R::of(4.0) * (R::of(1.0) + h) * e * a);
+        let q = (p * p - R::of(4.0) * (R::of(1.0) + h) * e * a).sqrt();
         if p >= R::ZERO { (p + q) / (R::of(2.0) * (R::of(1.0) + h)) } else { -R::of(2.0) * e * a / (q - p) }
     }
     fn gamma(self, k: R, _eta: R) -> R {
-        sqrt(k)
+        k.sqrt()
     }
 }
 
@@ -150,12 +150,12 @@ impl<R: Real> Spring<R> for Power<R> {
     /// root is near whatever the stiffness.
     fn pressed(self, e: R, a: R, h: R) -> R {
         if e <= R::ZERO {
-            return real(0.0);
+            return R::ZERO;
         }
         let (n, most) = (self.n, e / h);
         let far = quarter_root(most, n);
         let guess = if far < -a { quarter_root(most * -a, n + R::of(4.0)) } else { far };
-        root(e.min(guess), [real(0.0), e], a.max(R::ZERO), |s| {
+        root(e.min(guess), [R::ZERO, e], a.max(R::ZERO), |s| {
             let p = quarter_power(s, n);
             let (mean, d) = (if a > R::ZERO { self.mean(s, a) } else { p * (s / (s - a)) }, s - a);
             let even = d.abs() <= R::of(1e-6) * s;
@@ -165,6 +165,6 @@ impl<R: Real> Spring<R> for Power<R> {
         })
     }
     fn gamma(self, k: R, eta: R) -> R {
-        self.rise() * sqrt(k * self.hard(eta))
+        self.rise() * (k * self.hard(eta)).sqrt()
     }
 }

@@ -111,7 +111,7 @@ impl Real for Dual {
     /// Of 0 with tangents 0.
     #[inline(always)]
     fn sqrt(self) -> Dual {
-        let root = super::sqrt(self.all[0]);
+        let root = Real::sqrt(self.all[0]);
         self.chain(root, if root > 0.0 { 0.5 / root } else { 0.0 })
     }
     #[inline(always)]

@@ -18,6 +18,6 @@ pub use plain::Plain;
 pub use quarter::{quarter_mean, quarter_power, quarter_root};
 #[cfg(feature = "bytes")]
 pub use real::Stored;
-pub use real::{NONE, Precision, Real, inner, outer, real, sqrt, wide};
+pub use real::{NONE, Precision, Real};
 pub use table::Table;
 pub use verlet::VerletList;

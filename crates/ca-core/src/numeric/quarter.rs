@@ -3,29 +3,29 @@
 //! Decides on exponents that are multiples of 1/4, since products and square roots give the same bits on every machine
 //! and `powf` does not.
 
-use super::{Real, real, sqrt, wide};
+use super::Real;
 
 /// A number of quarters, at most 255: it is a coefficient, and a loop over it must end soon.
 #[inline(always)]
 fn whole<R: Real>(n: R) -> u32 {
-    u32::from(wide(n) as u8)
+    u32::from(n.wide() as u8)
 }
 
 /// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
 #[inline(always)]
 pub fn quarter_power<R: Real>(x: R, n: R) -> R {
     let n = whole(n);
-    let mut y = real(1.0);
+    let mut y = R::of(1.0);
     for _ in 0..n / 4 {
         y *= x;
     }
     if n & 3 != 0 {
-        let r = sqrt(x);
+        let r = x.sqrt();
         if n & 2 != 0 {
             y *= r;
         }
         if n & 1 != 0 {
-            y *= sqrt(r);
+            y *= r.sqrt();
         }
     }
     y
@@ -36,7 +36,7 @@ pub fn quarter_power<R: Real>(x: R, n: R) -> R {
 pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
     let (mut n, mut parts, mut u, mut v) = (whole(n), 1, s, a);
     while n % (4 / parts) != 0 {
-        (parts, u, v) = (2 * parts, sqrt(u), sqrt(v));
+        (parts, u, v) = (2 * parts, u.sqrt(), v.sqrt());
     }
     n /= 4 / parts;
     // Σ uⁱ vʲ with i + j = n − 1
@@ -49,6 +49,6 @@ pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
 pub fn quarter_root<R: Real>(x: R, n: R) -> R {
     let one = 1f64.to_bits() as i64;
     // wraps for what is not x ≥ 0 with n ≥ 4
-    let part = (wide(x).to_bits() as i64).wrapping_sub(one) / i64::from(whole(n).max(1));
-    real(f64::from_bits(one.wrapping_add(part.wrapping_mul(4)) as u64))
+    let part = (x.wide().to_bits() as i64).wrapping_sub(one) / i64::from(whole(n).max(1));
+    R::of(f64::from_bits(one.wrapping_add(part.wrapping_mul(4)) as u64))
 }

@@ -96,11 +96,6 @@ pub trait Real:
     fn is_finite(self) -> bool {
         self.wide().is_finite()
     }
-    /// True where the value is NaN.
-    #[inline(always)]
-    fn is_nan(self) -> bool {
-        self.wide().is_nan()
-    }
 }
 
 /// A number whose bits a plan can hold ([`Scene::to_bytes`](crate::Scene::to_bytes)): `f64`.
@@ -180,33 +175,3 @@ plain! {
 
 /// The largest number, which stands for none where a place is meant.
 pub const NONE: f64 = f64::MAX;
-
-/// A number computed at load, rounded to the number of the tick.
-#[inline(always)]
-pub fn real<R: Real>(v: f64) -> R {
-    R::of(v)
-}
-
-/// The value as `f64`.
-#[inline(always)]
-pub fn wide<R: Real>(v: R) -> f64 {
-    v.wide()
-}
-
-/// As an output, with its derivatives.
-#[inline(always)]
-pub fn outer<R: Real>(v: R) -> R::Outer {
-    v.outer()
-}
-
-/// From an output, with its derivatives.
-#[inline(always)]
-pub fn inner<R: Real>(v: R::Outer) -> R {
-    R::inner(v)
-}
-
-/// The square root.
-#[inline(always)]
-pub fn sqrt<R: Real>(v: R) -> R {
-    Real::sqrt(v)
-}

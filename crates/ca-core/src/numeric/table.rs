@@ -3,7 +3,7 @@
 //! Decides on linear interpolation with the end values held outside, as the field does (pmpd, GENESIS). The integral
 //! is kept beside the values, so that a table spring has an exact potential and the ledger stays exact about it.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use alloc::vec::Vec;
 
 /// A piecewise-linear function y(x).
@@ -77,19 +77,19 @@ impl Table {
 
 impl<R: Real> Table<R> {
     /// The same table over another number; `None` where its abscissae do not rise there.
-    pub fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
-        let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| real(wide(*v))).collect());
+    pub(crate) fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
+        let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| Q::of(v.wide())).collect());
         let rises = x.windows(2).all(|x| x[1] > x[0]) && x.iter().chain(&y).all(|v| v.is_finite());
-        rises.then(|| Table::of(x, y, real(wide(self.per))))
+        rises.then(|| Table::of(x, y, Q::of(self.per.wide())))
     }
 
     fn of(x: Vec<R>, y: Vec<R>, per: R) -> Table<R> {
-        let mut t = Table { area: alloc::vec![real(0.0); x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
+        let mut t = Table { area: alloc::vec![R::ZERO; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + R::of(0.5) * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
-        t.slopes = (0..t.x.len() - 1).map(|i| wide(t.rise(i))).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
-        let zero = t.raw_integral(real(0.0));
+        t.slopes = (0..t.x.len() - 1).map(|i| t.rise(i).wide()).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
+        let zero = t.raw_integral(R::ZERO);
         t.area.iter_mut().for_each(|a| *a -= zero);
         t
     }
@@ -105,7 +105,7 @@ impl<R: Real> Table<R> {
     fn segment(&self, x: R) -> usize {
         let last = self.x.len() - 2;
         let i = if self.per > R::ZERO {
-            wide((x - self.x[0]) * self.per) as usize
+            ((x - self.x[0]) * self.per).wide() as usize
         } else {
             self.x.partition_point(|v| *v <= x).saturating_sub(1)
         };
@@ -156,7 +156,7 @@ impl<R: Real> Table<R> {
 
     /// The slope at `x`; 0 outside.
     pub fn slope(&self, x: R) -> R {
-        if self.spans(x) { self.rise(self.segment(x)) } else { real(0.0) }
+        if self.spans(x) { self.rise(self.segment(x)) } else { R::ZERO }
     }
 
     /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
@@ -167,7 +167,7 @@ impl<R: Real> Table<R> {
                 return self.rise(i);
             }
         }
-        if x == R::ZERO { real(0.0) } else { self.at(x) / x }
+        if x == R::ZERO { R::ZERO } else { self.at(x) / x }
     }
 
     /// Largest and smallest slope of any segment.
@@ -176,17 +176,17 @@ impl<R: Real> Table<R> {
     }
 
     /// The same of the segments that lie between `from` and `to`, in part or as a whole; 0 beyond the ends.
-    pub fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
-        let within = |i: &usize| wide(self.x[*i]) < to && wide(self.x[*i + 1]) > from;
-        let beyond = from < wide(self.x[0]) || to > wide(self.x[self.x.len() - 1]);
+    pub(crate) fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
+        let within = |i: &usize| self.x[*i].wide() < to && self.x[*i + 1].wide() > from;
+        let beyond = from < self.x[0].wide() || to > self.x[self.x.len() - 1].wide();
         let first = if beyond { (0.0, 0.0) } else { (f64::MIN, f64::MAX) };
-        let all = (0..self.x.len() - 1).filter(within).map(|i| wide(self.rise(i)));
+        let all = (0..self.x.len() - 1).filter(within).map(|i| self.rise(i).wide());
         let (hi, lo) = all.fold(first, |(hi, lo), s| (s.max(hi), s.min(lo)));
         if hi < lo { (0.0, 0.0) } else { (hi, lo) }
     }
 
     /// True where y has the sign of x everywhere: as friction it only takes energy.
-    pub fn resists(&self) -> bool {
-        self.x.iter().zip(&self.y).all(|(x, y)| *x * *y >= R::ZERO) && self.at(real(0.0)) == R::ZERO
+    pub(crate) fn resists(&self) -> bool {
+        self.x.iter().zip(&self.y).all(|(x, y)| *x * *y >= R::ZERO) && self.at(R::ZERO) == R::ZERO
     }
 }

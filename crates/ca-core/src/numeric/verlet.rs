@@ -27,7 +27,7 @@
 //! the future of a scene, so the hash of a state leaves it out; a restored state is right, because displacements are
 //! taken from where the points stood when the list was made.
 
-use crate::numeric::sqrt;
+use crate::numeric::Real;
 use alloc::vec::Vec;
 
 /// The skin at load, in parts of the distance asked for.
@@ -139,7 +139,7 @@ impl VerletList {
             let sum = (r[0].abs() + r[1].abs() + r[2].abs()) + (d[0].abs() + d[1].abs() + d[2].abs());
             size = size.max(finite(sum));
         }
-        self.moved = sqrt(moved);
+        self.moved = Real::sqrt(moved);
         self.rounding = ROUNDING * size;
     }
 

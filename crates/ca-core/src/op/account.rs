@@ -9,7 +9,7 @@ use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
 use super::wide;
 use crate::law::{Lost, Phi, Stored};
-use crate::numeric::{Precision, Real, Table, outer, real};
+use crate::numeric::{Precision, Real, Table};
 use crate::state::State;
 use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
@@ -88,7 +88,7 @@ impl<'a, R: Real> Links<'a, R> {
     #[inline(always)]
     fn memory(&self) -> &'a [R] {
         let a = self.account;
-        &self.s.mem[a.mem + self.from * a.law.mem..][..self.n * a.law.mem]
+        &self.s.links.mem[a.mem + self.from * a.law.mem..][..self.n * a.law.mem]
     }
 
     fn tables(&self) -> &'a [Table<R>] {
@@ -128,7 +128,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize> WithSimd for ByLaw<'
                 each::<R, P, C, M>(tables, columns, memory, stored, lost, |i| [before[i], at[i], after[i]]);
             }
             Elongations::Row([p, q], d0) => {
-                let e0 = &layout.e0[a.first + from..][..n];
+                let e0 = &layout.links.e0[a.first + from..][..n];
                 let [x, d, d0] = [&s.x[..], &s.d[..], d0].map(|v| [&v[p..][..n], &v[q..][..n]]);
                 each::<R, P, C, M>(self.links.tables(), columns, &[], stored, lost, |i| {
                     let after = x[1][i] - x[0][i] + e0[i];
@@ -155,7 +155,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
     for i in 0..n {
         let c = core::array::from_fn(|k| columns[k][i]);
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-        let mem = if M == 0 { [real(0.0); M] } else { numbers(&memory[i * M..]) };
+        let mem = if M == 0 { [R::ZERO; M] } else { numbers(&memory[i * M..]) };
         let e = e(i);
         stored[i] = P::stored(&c, &mem, tables, e[1], e[2]);
         lost[i] = P::lost(&c, &mem, tables, e);
@@ -221,7 +221,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             };
             let n = BLOCK.min(end - from);
             let links = Links { layout, s, account, from, n };
-            match (account.energies.block, row) {
+            match (account.fns.energies.block, row) {
                 // the law is linear, so that it asks for no more
                 (Some(block), Some(ends)) if account.linear => block(&links, Elongations::Row(ends, d0), out),
                 (block, _) => {
@@ -237,10 +237,10 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             if !account.linear {
                 let (error, before) = (&mut entries.error[range.clone()], &mut entries.stored[range.clone()]);
                 for i in 0..n {
-                    let now = outer(stored[i]);
+                    let now = stored[i].outer();
                     if tick {
-                        let work = outer(-s.tap[account.tap + from + i] * R::of(0.5) * moved[i]);
-                        let made = now - before[i] + work + outer(heat[i]);
+                        let work = (-s.links.tap[account.tap + from + i] * R::of(0.5) * moved[i]).outer();
+                        let made = now - before[i] + work + heat[i].outer();
                         error[i] += made;
                         sums.error += made;
                     }
@@ -249,7 +249,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             }
             add(&mut stored_all, stored);
             if tick {
-                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += outer(*heat));
+                entries.lost[range].iter_mut().zip(heat).for_each(|(lost, heat)| *lost += heat.outer());
                 add(&mut lost, heat);
             }
             from += n;
@@ -261,14 +261,14 @@ impl<R: Real> WithSimd for Enter<'_, R> {
 /// Link by link, by the functions of the law.
 fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
-    let mut room = [real(0.0); COEFS];
+    let mut room = [R::ZERO; COEFS];
     let c = a.law.coefs.min(COEFS);
     for i in 0..links.n {
         room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
         let mem = &links.memory()[i * a.law.mem..][..a.law.mem];
         let around = [e[0][i], e[1][i], e[2][i]];
-        stored[i] = (a.energies.stored)(&room[..c], mem, links.tables(), around[1], around[2]);
-        lost[i] = (a.energies.lost)(&room[..c], mem, links.tables(), around);
+        stored[i] = (a.fns.energies.stored)(&room[..c], mem, links.tables(), around[1], around[2]);
+        lost[i] = (a.fns.energies.lost)(&room[..c], mem, links.tables(), around);
     }
 }
 
@@ -280,9 +280,9 @@ fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved
     if a.ports.measure != MeasureKind::Line || a.ports.onto.is_some() {
         return measured(links, d0, e, moved);
     }
-    let (e0, n) = (&layout.e0[a.first + from..][..n], n.min(BLOCK));
+    let (e0, n) = (&layout.links.e0[a.first + from..][..n], n.min(BLOCK));
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
-    let ends = &layout.ends[a.first + from..][..n];
+    let ends = &layout.links.ends[a.first + from..][..n];
     let (x, d) = (&s.x[..], &s.d[..]);
     for i in 0..n {
         let [p, q] = ends[i].map(|m| m as usize);
@@ -302,14 +302,14 @@ fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved
 fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, account: a, from, n, .. } = *links;
     let n = n.min(BLOCK);
-    let e0 = &layout.e0[a.first + from..][..n];
+    let e0 = &layout.links.e0[a.first + from..][..n];
     for e in e.iter_mut() {
         e[..n].copy_from_slice(e0);
     }
-    moved[..n].fill(real(0.0));
-    port(links, d0, (a.ports.measure, &layout.ends, a.first, a.ports.reach), e, moved);
+    moved[..n].fill(R::ZERO);
+    port(links, d0, (a.ports.measure, &layout.links.ends, a.first, a.ports.reach), e, moved);
     if let Some((measure, first, reach)) = a.ports.onto {
-        port(links, d0, (measure, &layout.onto, first, reach), e, moved);
+        port(links, d0, (measure, &layout.links.onto, first, reach), e, moved);
     }
 }
 
@@ -324,8 +324,8 @@ fn port<R: Real>(
 ) {
     let Links { layout, s, from, n, .. } = *links;
     let n = n.min(BLOCK);
-    let (ends, none) = (&ends[first + from..][..n], [[real(0.0); 4]; BLOCK]);
-    let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.reach[reach + from..][..n] };
+    let (ends, none) = (&ends[first + from..][..n], [[R::ZERO; 4]; BLOCK]);
+    let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.links.reach[reach + from..][..n] };
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
     // a loop for each, so that none asks which it is; a closure would not be compiled for the vectors of the machine
     macro_rules! each {
@@ -353,11 +353,11 @@ pub(crate) fn add<R: Real>(lanes: &mut Lanes<R::Outer>, all: &[R]) {
     let (whole, rest) = all.as_chunks::<LANES>();
     for eight in whole {
         for k in 0..LANES {
-            sums[k] += outer(eight[k]);
+            sums[k] += eight[k].outer();
         }
     }
     for (sum, v) in sums.iter_mut().zip(rest) {
-        *sum += outer(*v);
+        *sum += v.outer();
     }
     *lanes = sums;
 }

@@ -6,36 +6,36 @@
 
 use super::Op;
 use super::pass::Heard;
-use crate::numeric::{Real, outer, real};
+use crate::numeric::Real;
 use crate::op::layout::{DcBlocker, Layout, Tap};
 use crate::state::State;
 
 /// Adds the outputs from `op.first` on, each through its high pass.
 pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[..op.n]).enumerate() {
+    for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
-        let y = step(*c, &mut s.blocked[k], s.tick, v);
-        s.output[o.channel as usize] += outer(y);
+        let y = step(*c, &mut s.ports.blocked[k], s.tick, v);
+        s.output[o.channel as usize] += y.outer();
     }
 }
 
 /// The last outputs, from `op.first` on: they hear motion.
 pub fn of_motion<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let before = layout.blockers.len() - op.n;
-    for (k, (o, c)) in layout.outputs[op.first..].iter().zip(&layout.blockers[before..]).enumerate() {
+    let before = layout.out.blockers.len() - op.n;
+    for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[before..]).enumerate() {
         let Tap::Position(m) = o.tap else { continue };
         let v = s.coef[op.coef + k] * s.d[m as usize];
-        let y = step(*c, &mut s.blocked[before + k], s.tick, v);
-        s.output[o.channel as usize] += outer(y);
+        let y = step(*c, &mut s.ports.blocked[before + k], s.tick, v);
+        s.output[o.channel as usize] += y.outer();
     }
 }
 
 /// What a high pass makes of `v`.
 #[inline(always)]
 fn step<R: Real>(c: DcBlocker<R>, kept: &mut [R; 2], tick: u64, v: R) -> R {
-    let [before, y] = if tick == 0 { [v, real(0.0)] } else { *kept };
+    let [before, y] = if tick == 0 { [v, R::ZERO] } else { *kept };
     let y = c.r * y + c.g * (v - before);
-    let y = if y.abs() < R::TINY { real(0.0) } else { y };
+    let y = if y.abs() < R::TINY { R::ZERO } else { y };
     *kept = [v, y];
     y
 }

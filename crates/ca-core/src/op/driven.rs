@@ -5,7 +5,7 @@
 //! once a gesture frame, and coefficients go to what it says in a straight line over the frame, as those of a live parameter do.
 
 use super::Op;
-use crate::numeric::{Real, inner, outer};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::substep::phase;
 use crate::state::State;
@@ -14,12 +14,12 @@ pub use crate::op::layout::Driven;
 
 /// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
 pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    if phase(layout.frame, s.tick) > 1 {
+    if phase(layout.rates.frame, s.tick) > 1 {
         return;
     }
     // at once where nothing has sounded yet
-    let ticks = if s.tick == 0 { 1 } else { layout.frame };
-    for d in &layout.driven {
+    let ticks = if s.tick == 0 { 1 } else { layout.rates.frame };
+    for d in &layout.ports.driven {
         let [from, to] = d.span;
         let at = (s.input[d.input as usize] - from) / (to - from);
         if !at.is_finite() {
@@ -30,8 +30,8 @@ pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (part, n) = (at - row as f64, d.places.len());
         let (below, above) = (&d.table[row * n..][..n], &d.table[(row + 1) * n..][..n]);
         for ((place, a), b) in d.places.iter().zip(below).zip(above) {
-            let (a, b) = (outer(*a), outer(*b));
-            s.turn(*place as usize, inner(a + <R::Outer>::of(part) * (b - a)), ticks);
+            let (a, b) = (a.outer(), b.outer());
+            s.turn(*place as usize, R::inner(a + R::Outer::of(part) * (b - a)), ticks);
         }
     }
 }

@@ -10,31 +10,30 @@ use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
 use super::{Op, wave};
-use crate::numeric::{Real, VerletList, outer, real, wide};
+use crate::numeric::{Real, VerletList};
+use crate::op::layout::Counts;
 use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
 
-impl<R: Real> Ledger<R> {
-    /// An empty ledger for a layout.
-    pub fn new(layout: &Layout<R>) -> Ledger<R> {
-        let Layout { n_mat, n_lia, .. } = *layout;
-        let (points, tgr) = (layout.moving_points.len(), layout.tgr.len());
-        let ports = layout.enx.len() + tgr + layout.enf.len();
-        let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
-        Ledger {
-            lost: alloc::vec![real(0.0); n_lia],
-            scheme_error: alloc::vec![real(0.0); n_lia],
-            stored: alloc::vec![real(0.0); n_lia],
-            d0: alloc::vec![real(0.0); n_mat],
-            port: alloc::vec![real(0.0); ports],
-            work: alloc::vec![real(0.0); ports],
-            hands: alloc::vec![Exchange::default(); tgr],
-            points: alloc::vec![[real(0.0); 2]; points],
-            stored_batches: alloc::vec![real(0.0); accounts],
-            mass: alloc::vec![real(0.0); n_mat],
-            ..Ledger::default()
-        }
+/// An empty ledger for a layout.
+pub fn empty_ledger<R: Real>(layout: &Layout<R>) -> Ledger<R> {
+    let Counts { n_mat, n_lia, .. } = layout.counts;
+    let (points, tgr) = (layout.places.moving_points.len(), layout.ports.tgr.len());
+    let ports = layout.ports.enx.len() + tgr + layout.ports.enf.len();
+    let accounts = layout.ledger.as_ref().map_or(0, |l| l.accounts.len());
+    Ledger {
+        lost: alloc::vec![R::Outer::ZERO; n_lia],
+        scheme_error: alloc::vec![R::Outer::ZERO; n_lia],
+        stored: alloc::vec![R::Outer::ZERO; n_lia],
+        d0: alloc::vec![R::ZERO; n_mat],
+        port: alloc::vec![R::Outer::ZERO; ports],
+        work: alloc::vec![R::Outer::ZERO; ports],
+        hands: alloc::vec![Exchange::default(); tgr],
+        points: alloc::vec![[R::ZERO; 2]; points],
+        stored_batches: alloc::vec![R::Outer::ZERO; accounts],
+        mass: alloc::vec![R::Outer::ZERO; n_mat],
+        ..Ledger::default()
     }
 }
 
@@ -60,15 +59,15 @@ impl<R: Real> WithSimd for Mats<'_, R> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> MatEnergy<R> {
         let Mats { layout, s, d0, mass } = self;
-        let n = layout.n_mat;
+        let n = layout.counts.n_mat;
         // eight sums of each side by side, as [`super::account::add`] has them, without writing what is summed
         let mut sums = [Lanes::<R::Outer>::default(); 3];
         let of = |x: R, d: R, d0: R, p: R, q: R, m: R::Outer| {
-            let [x, d, d0, p, q] = [x, d, d0, p, q].map(outer);
-            let (z, moved) = (<R::Outer>::of(0.25) * (<R::Outer>::of(1.0) - p), d + d0);
+            let [x, d, d0, p, q] = [x, d, d0, p, q].map(R::outer);
+            let (z, moved) = (R::Outer::of(0.25) * (R::Outer::of(1.0) - p), d + d0);
             [
-                <R::Outer>::of(0.5) * d * d * m,
-                (<R::Outer>::of(-0.5) * q * x * (x - d) - z * d * d) * m,
+                R::Outer::of(0.5) * d * d * m,
+                (R::Outer::of(-0.5) * q * x * (x - d) - z * d * d) * m,
                 z * moved * moved * m,
             ]
         };
@@ -96,11 +95,11 @@ impl<R: Real> WithSimd for Mats<'_, R> {
 
 /// Masses from the coefficients of the MATs.
 fn weigh<R: Real>(layout: &Layout<R>, s: &State<R>, mass: &mut [R::Outer]) {
-    for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.n_mat..]) {
-        *m = if *c == R::ZERO { real(0.0) } else { <R::Outer>::of(1.0) / outer(*c) };
+    for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.counts.n_mat..]) {
+        *m = if *c == R::ZERO { R::Outer::ZERO } else { R::Outer::of(1.0) / c.outer() };
     }
     // what is a sum of modes has its inertia in these
-    layout.solved_modal.iter().for_each(|h| mass[h.mat as usize] = real(0.0));
+    layout.places.solved_modal.iter().for_each(|h| mass[h.mat as usize] = R::Outer::ZERO);
 }
 
 /// Energy of the MATs, and of weight.
@@ -108,8 +107,8 @@ fn mats<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R], mass: &[R::Outer]) 
     let mut all = vectors(layout, Mats { layout, s, d0, mass });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
     for (k, m) in layout.weighed.iter().enumerate() {
-        let (x, d) = (outer(s.x[*m as usize]), outer(s.d[*m as usize]));
-        all.stored -= outer(s.coef[weight + k]) * (x - <R::Outer>::of(0.5) * d);
+        let (x, d) = (s.x[*m as usize].outer(), s.d[*m as usize].outer());
+        all.stored -= s.coef[weight + k].outer() * (x - R::Outer::of(0.5) * d);
     }
     all
 }
@@ -132,7 +131,7 @@ fn links<R: Real>(
     };
     // a set is one module
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
-    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [real(0.0); 2] };
+    let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [R::Outer::ZERO; 2] };
     stored[0] = now;
     lost[0] += heat;
     error[0] += made;
@@ -175,16 +174,16 @@ fn set<R: Real>(
     a: &Account<R>,
     at: usize,
 ) -> Entry<R> {
-    let (mut stored, mut heat) = (real(0.0), real(0.0));
+    let (mut stored, mut heat) = (R::Outer::ZERO, R::Outer::ZERO);
     let c = &s.coef[a.coef..][..a.law.coefs];
-    let (of, tables) = (a.energies, &layout.tables);
-    pair_set::touched(layout, s, near, d0, at, (a.idle)(c), |e| {
-        stored += outer((of.stored)(c, &[], tables, e[1], e[2]));
-        heat += outer((of.lost)(c, &[], tables, e));
+    let (of, tables) = (a.fns.energies, &layout.tables);
+    pair_set::touched(layout, s, near, d0, at, (a.fns.idle)(c), |e| {
+        stored += (of.stored)(c, &[], tables, e[1], e[2]).outer();
+        heat += (of.lost)(c, &[], tables, e).outer();
     });
-    let pushed = layout.pair_sets[at].members.iter().zip(s.tap[a.tap..].chunks(3));
+    let pushed = layout.links.pair_sets[at].members.iter().zip(s.links.tap[a.tap..].chunks(3));
     let moved = |i: usize| R::of(0.5) * (s.d[i] + d0[i]);
-    let work = pushed.map(|(m, f)| (0..3).map(|k| outer(f[k] * moved(*m as usize + k))).sum::<R::Outer>()).sum();
+    let work = pushed.map(|(m, f)| (0..3).map(|k| (f[k] * moved(*m as usize + k)).outer()).sum::<R::Outer>()).sum();
     Entry { stored, heat, work }
 }
 
@@ -198,8 +197,8 @@ fn load<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &
 
 /// What changes brought in: only what may change is looked at again.
 fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &mut Ledger<R>) -> R::Outer {
-    let Some(plan) = &layout.ledger else { return real(0.0) };
-    let mut came = real(0.0);
+    let Some(plan) = &layout.ledger else { return R::Outer::ZERO };
+    let mut came = R::Outer::ZERO;
     if plan.live {
         weigh(layout, s, &mut l.mass);
         let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
@@ -217,49 +216,49 @@ fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l
 /// Records the tick that has just been completed by reading the inputs of the next.
 pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(mut l) = s.ledger.take() else { return };
-    let mut near = core::mem::take(&mut s.near);
+    let mut near = core::mem::take(&mut s.links.near);
     l.turning = s.ramps.is_moving();
-    for (at, p) in l.points.iter_mut().zip(&layout.moving_points) {
+    for (at, p) in l.points.iter_mut().zip(&layout.places.moving_points) {
         *at = [&s.x, &s.d].map(|v| v[p.mat as usize]);
     }
     if s.tick == 0 || !l.begun {
         l.begun = true;
         l.h0 = load(layout, s, &mut near, &mut l);
-        s.near = near;
+        s.links.near = near;
         l.h = l.h0;
-        l.peak = wide(l.h0).abs().max(wide(l.kinetic));
-        l.received = l.peak;
+        l.extremes.peak = l.h0.wide().abs().max(l.kinetic.wide());
+        l.extremes.received = l.extremes.peak;
         s.ledger = Some(l);
         return;
     }
     let before = l.h;
     let mut work = core::mem::take(&mut l.pulled);
     l.pointer += work;
-    let moved = |m: u32, d0: &[R]| <R::Outer>::of(0.5) * outer(s.d[m as usize] + d0[m as usize]);
-    for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
+    let moved = |m: u32, d0: &[R]| R::Outer::of(0.5) * (s.d[m as usize] + d0[m as usize]).outer();
+    for (k, p) in layout.ports.enx.iter().chain(&layout.ports.tgr).enumerate() {
         let w = -l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
         work += w;
     }
-    for (k, p) in (layout.enx.len() + layout.tgr.len()..).zip(&layout.enf) {
+    for (k, p) in (layout.ports.enx.len() + layout.ports.tgr.len()..).zip(&layout.ports.enf) {
         let w = l.port[k] * moved(p.mat, &l.d0);
         l.work[k] += w;
         work += w;
     }
-    if let (Some(group), Some(slow)) = (&layout.slow, &s.slow) {
+    if let (Some(group), Some(slow)) = (&layout.rates.slow, &s.slow) {
         let each = group.ports.iter().zip(&slow.ports).take(group.coupled);
-        let w: R::Outer = each.clone().map(|(p, b)| <R::Outer>::of(-b.force) * moved(p.at, &l.d0)).sum();
+        let w: R::Outer = each.clone().map(|(p, b)| R::Outer::of(-b.force) * moved(p.at, &l.d0)).sum();
         work += w;
         l.crossed += w;
         if s.tick == 1 {
             // what came with the motion into the pose of load is held at load
-            let before: R::Outer = each.map(|(p, b)| <R::Outer>::of(-b.force * 0.5) * outer(l.d0[p.at as usize])).sum();
+            let before: R::Outer = each.map(|(p, b)| R::Outer::of(-b.force * 0.5) * l.d0[p.at as usize].outer()).sum();
             l.crossed -= before;
             l.h0 += before;
         }
     }
     if s.tick == 1 {
-        let given: R::Outer = l.kick.iter().zip(0..).map(|(f, m)| outer(*f) * moved(m, &l.d0)).sum();
+        let given: R::Outer = l.kick.iter().zip(0..).map(|(f, m)| f.outer() * moved(m, &l.d0)).sum();
         l.changed += given;
         work += given;
     }
@@ -273,29 +272,29 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let lost = heat + beside + of_links.heat;
     let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
-    l.worst = l.worst.max(wide(h - before - work + lost - of_links.error).abs());
-    l.heat += wide(lost).abs();
-    l.net_heat += wide(lost);
-    l.made += wide(of_links.error);
+    l.extremes.worst = l.extremes.worst.max((h - before - work + lost - of_links.error).wide().abs());
+    l.heat += lost.wide().abs();
+    l.net_heat += lost.wide();
+    l.made += of_links.error.wide();
     // the energy of motion may come from a potential that is as negative
-    let [h, kinetic] = [wide(h), wide(kinetic)];
-    l.peak = l.peak.max(h.abs().max(kinetic) + l.heat);
-    l.received = l.received.max(h.max(kinetic) + l.net_heat - l.made - wide(l.border));
-    s.near = near;
+    let [h, kinetic] = [h.wide(), kinetic.wide()];
+    l.extremes.peak = l.extremes.peak.max(h.abs().max(kinetic) + l.heat);
+    l.extremes.received = l.extremes.received.max(h.max(kinetic) + l.net_heat - l.made - l.groups.border.wide());
+    s.links.near = near;
     s.ledger = Some(l);
 }
 
 /// After changes of parameters or of moving points: what they brought in. Where neither moved in this tick, nothing.
 pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let at = |p: &MovingPoint| [&s.x, &s.d].map(|v| v[p.mat as usize]);
-    let moved = |l: &Ledger<R>| l.turning || !layout.moving_points.iter().map(at).eq(l.points.iter().copied());
+    let moved = |l: &Ledger<R>| l.turning || !layout.places.moving_points.iter().map(at).eq(l.points.iter().copied());
     if !s.ledger.as_deref().is_some_and(moved) {
         return;
     }
     let Some(mut l) = s.ledger.take() else { return };
-    let mut near = core::mem::take(&mut s.near);
+    let mut near = core::mem::take(&mut s.links.near);
     let came = changes(layout, s, &mut near, &mut l);
-    s.near = near;
+    s.links.near = near;
     l.changed += came;
     l.h += came;
     s.ledger = Some(l);
@@ -305,11 +304,11 @@ pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>
 pub fn keep<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);
-    for (k, p) in layout.enx.iter().chain(&layout.tgr).enumerate() {
-        l.port[k] = outer(s.f[p.mat as usize]);
+    for (k, p) in layout.ports.enx.iter().chain(&layout.ports.tgr).enumerate() {
+        l.port[k] = s.f[p.mat as usize].outer();
     }
-    for (k, p) in (layout.enx.len() + layout.tgr.len()..).zip(&layout.enf) {
+    for (k, p) in (layout.ports.enx.len() + layout.ports.tgr.len()..).zip(&layout.ports.enf) {
         let v = s.input[p.input as usize];
-        l.port[k] = real(if v.is_finite() { v } else { 0.0 });
+        l.port[k] = R::Outer::of(if v.is_finite() { v } else { 0.0 });
     }
 }

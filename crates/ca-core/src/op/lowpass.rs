@@ -5,37 +5,37 @@
 //! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
 
 use super::Op;
-use crate::numeric::{Real, inner, outer};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
 /// Filters every sound channel. `layout.lowpass` holds the first half of the n coefficients up to the middle one.
 pub fn lowpass<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some((middle, sides)) = layout.lowpass.split_last() else { return };
+    let Some((middle, sides)) = layout.out.lowpass.split_last() else { return };
     let n = 2 * sides.len() + 1;
     let at = (s.tick % n as u64) as usize;
-    for (out, past) in s.output[..op.n].iter_mut().zip(s.lowpass.chunks_exact_mut(2 * n)) {
+    for (out, past) in s.output[..op.n].iter_mut().zip(s.ports.lowpass.chunks_exact_mut(2 * n)) {
         keep(past, at, n, *out);
         let window = &past[at + 1..][..n];
         let mut y = *middle * window[sides.len()];
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
             y += *h * (*a + *b);
         }
-        *out = outer(y);
+        *out = y.outer();
     }
 }
 
 /// Keeps what every sound channel gives at a tick that is no sample.
 pub fn remember<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some((_, sides)) = layout.lowpass.split_last() else { return };
+    let Some((_, sides)) = layout.out.lowpass.split_last() else { return };
     let n = 2 * sides.len() + 1;
     let at = (s.tick % n as u64) as usize;
-    for (out, past) in s.output[..op.n].iter().zip(s.lowpass.chunks_exact_mut(2 * n)) {
+    for (out, past) in s.output[..op.n].iter().zip(s.ports.lowpass.chunks_exact_mut(2 * n)) {
         keep(past, at, n, *out);
     }
 }
 
 fn keep<R: Real>(past: &mut [R], at: usize, n: usize, v: R::Outer) {
-    past[at] = inner(v);
+    past[at] = R::inner(v);
     past[at + n] = past[at];
 }

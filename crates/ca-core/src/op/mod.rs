@@ -4,16 +4,15 @@
 //! (the law, the form, with or without offsets and taps). [`Pass`] and the law say which function that is, so that a scene can be
 //! bound to another number. The law of links has their kernels, also a law of another crate (LPR).
 
-use crate::law::{Bound, Force, Idle, Start, Steepest};
-use crate::numeric::{Real, Table};
+use crate::numeric::Real;
 use crate::state::State;
-use alloc::vec::Vec;
 
 pub mod account;
 pub mod blocker;
 pub mod driven;
 pub mod energy;
 pub mod heard;
+mod law;
 pub mod layout;
 pub mod links;
 pub mod lowpass;
@@ -23,8 +22,10 @@ pub mod wave;
 pub(crate) mod wide;
 
 pub use account::Energies;
+pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage};
 use layout::Layout;
 pub use layout::{MeasureKind, Ports, Way};
+pub use links::law::{family, loaded, started};
 pub use wide::Vectors;
 
 /// One pass, run once per tick.
@@ -81,7 +82,7 @@ pub struct Form {
     pub hub: Hub,
     /// some link of the batch has e₀ ≠ 0
     pub offset: bool,
-    /// the force of each link is kept in [`State::tap`]
+    /// the force of each link is kept in [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: bool,
     /// how the first port measures
     pub measure: MeasureKind,
@@ -267,8 +268,6 @@ pub struct Op<R: Real = f64> {
     pub kernel: Kernel<R>,
     /// which kernel that is
     pub pass: Pass,
-    /// what it is, for people: the code of a law, or [`Pass::name`]
-    pub name: &'static str,
     /// the law, for links
     pub law: Option<&'static Law>,
     /// its functions over the number of the tick
@@ -279,138 +278,32 @@ pub struct Op<R: Real = f64> {
     pub ports: Ports,
     /// number of modules, and of places in a row that no link takes
     pub n: usize,
-    /// first link in [`Layout::ends`], or first entry of whatever list the pass reads
+    /// first link in [`LinkArrays::ends`](layout::LinkArrays::ends), or first entry of whatever list the pass reads
     pub first: usize,
     /// first MAT
     pub mat: usize,
     /// first coefficient in [`State::coef`]; coefficient s of link i is at `coef + s·n + i`
     pub coef: usize,
-    /// first number in [`State::mem`]; those of link i start at `mem + i·M`
+    /// first number in [`LinkState::mem`](crate::state::LinkState::mem); link i has its own from `mem + i·M` on
     pub mem: usize,
-    /// first index into [`State::tap`]
+    /// first index into [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: usize,
 }
 
 impl<R: Real> Op<R> {
     /// A pass without links, which has the `kernel` of `pass`.
     pub fn new(pass: Pass, kernel: Kernel<R>, n: usize) -> Op<R> {
-        let (form, ports, name) = (Form::default(), Ports::default(), pass.name());
-        Op { kernel, pass, name, law: None, fns: None, form, ports, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
+        let (form, ports) = (Form::default(), Ports::default());
+        Op { kernel, pass, law: None, fns: None, form, ports, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
+    }
+
+    /// Its name for people: the code of a law, or [`Pass::name`].
+    pub fn name(&self) -> &'static str {
+        self.law.map_or(self.pass.name(), |law| law.code)
     }
 
     /// A batch of `n` links of a law, whose functions over `R` are `fns`.
     pub fn links(law: &'static Law, fns: LawFns<R>, form: Form, n: usize) -> Op<R> {
-        Op { name: law.code, law: Some(law), fns: Some(fns), form, ..Op::new(Pass::Links, (fns.kernel)(form), n) }
-    }
-}
-
-/// A law as data: what the compiler asks of it. Its functions in the tick are [`LawFns`].
-// answers to as many questions, any of which may be yes
-#[allow(clippy::struct_excessive_bools)]
-#[derive(Clone, Copy)]
-pub struct Law {
-    /// code of the law that runs, e.g. `RES` for a REF without viscosity; laws of one code have the same [`LawFns`]
-    pub code: &'static str,
-    /// coefficients per link
-    pub coefs: usize,
-    /// numbers of memory per link
-    pub mem: usize,
-    /// see [`Phi::LINEAR`](crate::law::Phi::LINEAR)
-    pub linear: bool,
-    /// see [`Phi::WIDE`](crate::law::Phi::WIDE)
-    pub wide: bool,
-    /// see [`Phi::CONTACT`](crate::law::Phi::CONTACT)
-    pub contact: bool,
-    /// when its force is computed
-    pub stage: SolveStage,
-    /// true where part of its force comes from the time to come, for all such links at once
-    pub implicit: bool,
-    /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
-    pub load: fn(p: &[Option<f64>], tick_dt: f64, out: &mut [f64]),
-    /// see [`Phi::bound`](crate::law::Phi::bound)
-    pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
-    /// see [`Phi::steepest`](crate::law::Phi::steepest)
-    pub steepest: Steepest,
-    /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
-    pub simpler: fn(p: &[ParamBinding]) -> Option<&'static Law>,
-    /// all laws that [`Law::simpler`] may return
-    pub variants: &'static [&'static Law],
-    /// a table the law needs whatever its parameters; its number is handed over after the last parameter
-    pub table: Option<fn() -> Table>,
-    /// its functions over `f64`
-    pub fns: LawFns,
-}
-
-/// The functions of a law in a tick over `R`. Those over `f64` are made in the crate of the law, others by [`Laws`] in the crate
-/// that binds a scene to `R`.
-#[derive(Clone, Copy)]
-pub struct LawFns<R: Real = f64> {
-    /// see [`Phi::start`](crate::law::Phi::start)
-    pub start: Start<R>,
-    /// see [`Phi::force`](crate::law::Phi::force)
-    pub force: Force<R>,
-    /// what it stores and loses
-    pub energies: Energies<R>,
-    /// see [`Phi::idle`](crate::law::Phi::idle)
-    pub idle: Idle<R>,
-    /// the pass for one form of the law
-    pub kernel: fn(Form) -> Kernel<R>,
-}
-
-/// The functions of a law over `R`, behind its code.
-pub type LawEntry<R> = (&'static str, LawFns<R>);
-
-/// The functions of laws over `R`, by the code of the law.
-#[derive(Clone, Default)]
-pub struct Laws<R: Real> {
-    all: Vec<LawEntry<R>>,
-}
-
-impl<R: Real> Laws<R> {
-    /// Adds the functions of other laws.
-    #[must_use]
-    pub fn with(mut self, laws: impl IntoIterator<Item = LawEntry<R>>) -> Laws<R> {
-        self.all.extend(laws);
-        self
-    }
-
-    /// The functions of a law.
-    pub fn get(&self, law: &Law) -> Option<LawFns<R>> {
-        self.all.iter().find(|(code, _)| *code == law.code).map(|(_, fns)| *fns)
-    }
-}
-
-/// When the force of a law is computed among the forces of a tick.
-#[derive(Clone, Copy)]
-pub enum SolveStage {
-    /// from what is known at its beginning
-    Explicit,
-    /// after all forces of stage `Explicit`, from the motion they would cause: on a line, where no other link of a later stage
-    /// moves the same place. Elsewhere this law runs instead
-    Single(&'static Law),
-    /// after all others, collected link by link and then computed at once by [`Pass::Contacts`]
-    Coupled,
-}
-
-/// What is known of a parameter when a law is specialised.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ParamBinding {
-    /// not written
-    Absent,
-    /// this value, for good
-    At(f64),
-    /// may change while playing
-    Live,
-}
-
-impl ParamBinding {
-    /// True where the parameter is nothing and stays so.
-    pub fn is_zero(self) -> bool {
-        matches!(self, ParamBinding::Absent | ParamBinding::At(0.0))
-    }
-
-    /// The value, if it is one for good.
-    pub fn number(self) -> Option<f64> {
-        if let ParamBinding::At(v) = self { Some(v) } else { None }
+        Op { law: Some(law), fns: Some(fns), form, ..Op::new(Pass::Links, (fns.kernel)(form), n) }
     }
 }

@@ -3,35 +3,36 @@
 
 use super::Op;
 use super::wide::{self, Body, Simd};
-use crate::numeric::{Precision, Real, inner, outer, real, wide};
+use crate::numeric::{Precision, Real};
 use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
+use crate::state::LinkState;
 use crate::state::{Cell, State};
 
 /// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for
 /// those whose motion is part of the start.
 pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.enx[..op.n] {
-        let x = inner(<R::Outer>::of(s.valid_input(p.input)) - p.rest);
+    for p in &layout.ports.enx[..op.n] {
+        let x = R::inner(R::Outer::of(s.valid_input(p.input)) - p.rest);
         let m = p.mat as usize;
         if s.tick > 0 {
             s.d[m] = x - s.x[m];
         } else if !p.implicit {
-            s.d[m] = real(0.0);
+            s.d[m] = R::ZERO;
         }
         s.x[m] = x;
-        s.f[m] = real(0.0);
+        s.f[m] = R::ZERO;
     }
 }
 
 /// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
 pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let mut last = u32::MAX;
-    for p in &layout.enf[op.first..][..op.n] {
+    for p in &layout.ports.enf[op.first..][..op.n] {
         let v = s.input[p.input as usize];
         let force = if v.is_finite() { v } else { 0.0 };
-        s.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);
+        s.ports.refused += u64::from(COUNTED && !v.is_finite() && p.input != last);
         last = p.input;
-        s.f[p.mat as usize] += real(force);
+        s.f[p.mat as usize] += R::of(force);
     }
 }
 
@@ -44,52 +45,52 @@ pub fn weight<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Finds the cell under each moving point.
 pub fn aim<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        s.cells[k] = cell(layout, s, p);
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        s.links.cells[k] = cell(layout, s, p);
     }
 }
 
 fn coordinate<R: Real>(layout: &Layout<R>, s: &State<R>, place: CoordinateSource) -> R::Outer {
     let v = match place {
-        CoordinateSource::Coef(c) => outer(s.coef[c as usize]),
-        CoordinateSource::Mat(m) => outer(s.x[m as usize]) + outer(layout.rest[m as usize]),
+        CoordinateSource::Coef(c) => s.coef[c as usize].outer(),
+        CoordinateSource::Mat(m) => s.x[m as usize].outer() + layout.places.rest[m as usize].outer(),
     };
     // a coordinate that is not a number stays where nothing is hurt
-    if wide(v) >= 0.0 { v.min(<R::Outer>::of(1.0)) } else { real(0.0) }
+    if v.wide() >= 0.0 { v.min(R::Outer::of(1.0)) } else { R::Outer::ZERO }
 }
 
 /// Node and weight along one direction of `n` nodes.
 pub fn step<O: Real>(u: O, n: u32) -> (u32, O) {
-    let at = u * real(f64::from(n - 1));
-    let i = (wide(at) as u32).min(n.saturating_sub(2));
-    (i, at - real(f64::from(i)))
+    let at = u * O::of(f64::from(n - 1));
+    let i = (at.wide() as u32).min(n.saturating_sub(2));
+    (i, at - O::of(f64::from(i)))
 }
 
 /// The cell of one moving point at its present coordinates.
 pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<R> {
-    let one = <R::Outer>::of(1.0);
+    let one = R::Outer::of(1.0);
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
-    let node = |i: u32, j: u32| layout.nodes[(p.first + i * p.size[1] + j) as usize];
+    let node = |i: u32, j: u32| layout.places.nodes[(p.first + i * p.size[1] + j) as usize];
     if p.size[1] == 1 {
         return Cell {
             n: 2,
             node: [node(i, 0), node(i + 1, 0), 0, 0],
-            weight: [one - a, a, real(0.0), real(0.0)].map(inner),
+            weight: [one - a, a, R::Outer::ZERO, R::Outer::ZERO].map(R::inner),
         };
     }
     let (j, b) = step(coordinate(layout, s, p.at[1]), p.size[1]);
     Cell {
         n: 4,
         node: [node(i, j), node(i, j + 1), node(i + 1, j), node(i + 1, j + 1)],
-        weight: [(one - a) * (one - b), (one - a) * b, a * (one - b), a * b].map(inner),
+        weight: [(one - a) * (one - b), (one - a) * b, a * (one - b), a * b].map(R::inner),
     }
 }
 
 /// Positions of moving points from their cells.
 pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        let c = s.cells[k];
-        let (mut x, mut d) = (real(0.0), real(0.0));
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        let c = s.links.cells[k];
+        let (mut x, mut d) = (R::ZERO, R::ZERO);
         for q in 0..c.n {
             x += c.weight[q] * s.x[c.node[q] as usize];
             d += c.weight[q] * s.d[c.node[q] as usize];
@@ -97,14 +98,14 @@ pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let m = p.mat as usize;
         s.x[m] = x;
         s.d[m] = d;
-        s.f[m] = real(0.0);
+        s.f[m] = R::ZERO;
     }
 }
 
 /// Force on moving points back to their cells, with the weights of the position: no energy is made.
 pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (k, p) in layout.moving_points[..op.n].iter().enumerate() {
-        let c = s.cells[k];
+    for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
+        let c = s.links.cells[k];
         let f = s.f[p.mat as usize];
         for q in 0..c.n {
             s.f[c.node[q] as usize] += c.weight[q] * f;
@@ -114,9 +115,9 @@ pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Positions of masses that go by their modes.
 pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.modal[..op.n] {
+    for p in &layout.places.modal[..op.n] {
         let n = p.n as usize;
-        let share = &layout.shares[p.share as usize..][..n];
+        let share = &layout.places.shares[p.share as usize..][..n];
         let dot = |q: &[R]| {
             // four sums side by side: one after the other they would wait for each other
             let mut part = [R::ZERO; 4];
@@ -131,15 +132,15 @@ pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         };
         let m = p.mat as usize;
         (s.x[m], s.d[m]) = (dot(&s.x), dot(&s.d));
-        s.f[m] = real(0.0);
+        s.f[m] = R::ZERO;
     }
 }
 
 /// Forces on masses that go by their modes back to these, with the shares of the position: no energy is made.
 pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for p in &layout.modal[..op.n] {
+    for p in &layout.places.modal[..op.n] {
         let (f, n) = (s.f[p.mat as usize], p.n as usize);
-        let share = &layout.shares[p.share as usize..][..n];
+        let share = &layout.places.shares[p.share as usize..][..n];
         for (q, w) in s.f[p.first as usize..][..n].iter_mut().zip(share) {
             *q += *w * f;
         }
@@ -149,17 +150,17 @@ pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
 /// memory for what was written there.
 pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let State { x, f, tap, coef, output, .. } = s;
+    let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
     let heard = Heard { x, f, tap };
-    let (outputs, gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-    output.fill(real(0.0));
-    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), real(0.0));
+    let (outputs, gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
+    output.fill(R::Outer::ZERO);
+    let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), R::Outer::ZERO);
     for (o, gain) in outputs.iter().zip(gains) {
         if o.channel != channel {
             output[channel as usize] = sum;
-            (channel, sum) = (o.channel, real(0.0));
+            (channel, sum) = (o.channel, R::Outer::ZERO);
         }
-        sum += outer(*gain * heard.by(o));
+        sum += (*gain * heard.by(o)).outer();
     }
     if !outputs.is_empty() {
         output[channel as usize] = sum;
@@ -168,9 +169,9 @@ pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Adds the outputs from `op.first` on that hear motion.
 pub fn motions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    for (o, gain) in layout.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
+    for (o, gain) in layout.out.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
         if let Tap::Position(m) = o.tap {
-            s.output[o.channel as usize] += outer(*gain * s.d[m as usize]);
+            s.output[o.channel as usize] += (*gain * s.d[m as usize]).outer();
         }
     }
 }
@@ -191,22 +192,24 @@ struct ManyOutputs;
 impl<R: Real> Body<R> for ManyOutputs {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-        let State { x, f, tap, coef, output, .. } = s;
+        let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
         let heard = Heard { x, f, tap };
-        let (mut outputs, mut gains) = (&layout.outputs[..op.n], &coef[op.coef..][..op.n]);
-        output.fill(real(0.0));
-        for row in &layout.output_rows {
+        let (mut outputs, mut gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
+        output.fill(R::Outer::ZERO);
+        for row in &layout.out.output_rows {
             let (of_channel, other_outputs) = outputs.split_at(row.n as usize);
             let (own, other_gains) = gains.split_at(row.n as usize);
             (outputs, gains) = (other_outputs, other_gains);
             let pairs = || of_channel.iter().zip(own);
             output[row.channel as usize] = match row.first {
                 Some(first) => dot(own, &heard.x[first as usize..][..own.len()]),
-                None if own.len() < MANY => pairs().fold(real(0.0), |sum, (o, gain)| sum + outer(*gain * heard.by(o))),
+                None if own.len() < MANY => {
+                    pairs().fold(R::Outer::ZERO, |sum, (o, gain)| sum + (*gain * heard.by(o)).outer())
+                }
                 None => {
-                    let mut lanes = [<R::Outer>::ZERO; LANES];
+                    let mut lanes = [R::Outer::ZERO; LANES];
                     for (i, (o, gain)) in pairs().enumerate() {
-                        lanes[i % LANES] += outer(*gain * heard.by(o));
+                        lanes[i % LANES] += (*gain * heard.by(o)).outer();
                     }
                     in_pairs(lanes)
                 }
@@ -217,15 +220,15 @@ impl<R: Real> Body<R> for ManyOutputs {
 
 #[inline(always)]
 fn dot<R: Real>(gains: &[R], x: &[R]) -> R::Outer {
-    let mut lanes = [<R::Outer>::ZERO; LANES];
+    let mut lanes = [R::Outer::ZERO; LANES];
     let ((gains, last_gains), (x, last)) = (gains.as_chunks::<LANES>(), x.as_chunks::<LANES>());
     for (gain, x) in gains.iter().zip(x) {
         for k in 0..LANES {
-            lanes[k] += outer(gain[k] * x[k]);
+            lanes[k] += (gain[k] * x[k]).outer();
         }
     }
     for (k, (gain, x)) in last_gains.iter().zip(last).enumerate() {
-        lanes[k] += outer(*gain * *x);
+        lanes[k] += (*gain * *x).outer();
     }
     in_pairs(lanes)
 }
@@ -239,10 +242,10 @@ fn in_pairs<O: Real>([a, b, c, d, e, f, g, h]: [O; LANES]) -> O {
 /// clear.
 pub fn positions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
-    for ((v, o), gain) in s.output.iter_mut().zip(&layout.outputs).zip(gains) {
+    for ((v, o), gain) in s.output.iter_mut().zip(&layout.out.outputs).zip(gains) {
         if let Tap::Position(m) = o.tap {
             // as a sum gives it, which is never -0
-            *v = <R::Outer>::ZERO + outer(*gain * x[m as usize]);
+            *v = R::Outer::ZERO + (*gain * x[m as usize]).outer();
         }
     }
 }
@@ -258,7 +261,7 @@ impl<'a, R: Real> Heard<'a, R> {
     /// Those of a state.
     #[inline(always)]
     pub(super) fn of(s: &'a State<R>) -> Heard<'a, R> {
-        Heard { x: &s.x, f: &s.f, tap: &s.tap }
+        Heard { x: &s.x, f: &s.f, tap: &s.links.tap }
     }
 
     /// What an output hears.
@@ -288,7 +291,7 @@ impl<R: Real> Body<R> for IntegrateFree {
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
         let (x, d, f) = (&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n]);
-        free(x, d, f, &s.coef[2 * layout.n_mat + at..][..n]);
+        free(x, d, f, &s.coef[2 * layout.counts.n_mat + at..][..n]);
     }
 }
 
@@ -301,13 +304,13 @@ fn free<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], c: &[R]) {
         for k in 0..SIDE_BY_SIDE {
             d[k] += c[k] * f[k];
             x[k] += d[k];
-            f[k] = real(0.0);
+            f[k] = R::ZERO;
         }
     }
     for (((x, d), f), c) in x.iter_mut().zip(d).zip(f).zip(c) {
         *d += *c * *f;
         *x += *d;
-        *f = real(0.0);
+        *f = R::ZERO;
     }
 }
 
@@ -322,7 +325,7 @@ impl<R: Real> Body<R> for IntegrateFull {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (n, at) = (op.n, op.mat);
-        let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + at..][..n]);
+        let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.counts.n_mat + at..][..n]);
         full(&mut s.x[at..][..n], &mut s.d[at..][..n], &mut s.f[at..][..n], [p, q, c]);
     }
 }
@@ -335,7 +338,7 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
         for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(pqc[0]).zip(pqc[1].iter().zip(pqc[2])) {
             *d = *p * *d + *q * *x + *c * *f;
             *x += *d;
-            *f = real(0.0);
+            *f = R::ZERO;
         }
         return;
     }
@@ -346,12 +349,12 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
         // array by array: a loop over all three stays one of numbers
         *d = core::array::from_fn(|k| p[k] * d[k] + q[k] * x[k] + c[k] * f[k]);
         *x = core::array::from_fn(|k| x[k] + d[k]);
-        *f = [real(0.0); SIDE_BY_SIDE];
+        *f = [R::ZERO; SIDE_BY_SIDE];
     }
     for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(p).zip(q.iter().zip(c)) {
         *d = *p * *d + *q * *x + *c * *f;
         *x += *d;
-        *f = real(0.0);
+        *f = R::ZERO;
     }
 }
 
@@ -359,10 +362,10 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
 /// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
 pub fn flush<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if s.tick & 1023 == 1023 {
-        let waves = &mut s.mem[layout.waves.first..][..layout.waves.len];
+        let waves = &mut s.links.mem[layout.waves.first..][..layout.waves.len];
         for v in s.x[..op.n].iter_mut().chain(&mut s.d[..op.n]).chain(waves) {
             if v.abs() < R::TINY {
-                *v = real(0.0);
+                *v = R::ZERO;
             }
         }
     }

@@ -17,7 +17,7 @@ pub(crate) fn phase(n: u32, tick: u64) -> u32 {
 
 /// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
 pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some(substeps) = &layout.substeps else { return };
+    let Some(substeps) = &layout.rates.substeps else { return };
     let now = s.tick * u64::from(substeps.times);
     s.tick = (now + 1).saturating_sub(u64::from(substeps.times));
     while s.tick < now {
@@ -31,16 +31,16 @@ pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
 /// none.
 pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let Some(substeps) = &layout.substeps else { return };
+    let Some(substeps) = &layout.rates.substeps else { return };
     let j = phase(substeps.times, s.tick);
-    for (g, i) in s.glide[..op.n].iter_mut().zip(&substeps.inputs) {
+    for (g, i) in s.ports.glide[..op.n].iter_mut().zip(&substeps.inputs) {
         let v = &mut s.input[*i as usize];
         if j <= 1 {
             let to = if v.is_finite() {
                 *v
             } else {
-                s.refused += 1;
-                if layout.enf.iter().any(|p| p.input == *i) { 0.0 } else { g[1] }
+                s.ports.refused += 1;
+                if layout.ports.enf.iter().any(|p| p.input == *i) { 0.0 } else { g[1] }
             };
             *g = [if j == 0 { to } else { g[1] }, to];
         }

@@ -6,7 +6,7 @@
 //! wave is ever moved.
 
 use super::Op;
-use crate::numeric::{Real, inner, outer, real};
+use crate::numeric::Real;
 use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
@@ -31,24 +31,24 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let w = &layout.waves;
     for d in &w.delays {
         let wave = match d.end {
-            Termination::Open => s.mem[d.at(s.tick, d.len)],
-            Termination::Rigid => -s.mem[d.at(s.tick, d.len)],
+            Termination::Open => s.links.mem[d.at(s.tick, d.len)],
+            Termination::Rigid => -s.links.mem[d.at(s.tick, d.len)],
             Termination::Lossy { loss, memory } => {
                 // a ring three longer than the delay keeps what the taps still hear
-                let [u0, u1, u2] = [3, 2, 1].map(|less| s.mem[d.at(s.tick, d.len - less)]);
-                let [a, b, c] = [loss.a, loss.b, loss.c].map(inner::<R>);
+                let [u0, u1, u2] = [3, 2, 1].map(|less| s.links.mem[d.at(s.tick, d.len - less)]);
+                let [a, b, c] = [loss.a, loss.b, loss.c].map(R::inner);
                 let u = a * u1 + b * (u0 + u2);
-                let y = c * u + s.mem[memory];
-                s.mem[memory] = u - c * y;
+                let y = c * u + s.links.mem[memory];
+                s.links.mem[memory] = u - c * y;
                 -y
             }
         };
-        s.mem[d.to] = wave;
+        s.links.mem[d.to] = wave;
     }
     for j in &w.junctions {
         let m = j.mat as usize;
-        s.f[m] += R::of(2.0) * inner(j.z) * (s.mem[j.memory] + s.mem[j.memory + 1]);
-        s.mem[j.memory + 2] = s.d[m];
+        s.f[m] += R::of(2.0) * R::inner(j.z) * (s.links.mem[j.memory] + s.links.mem[j.memory + 1]);
+        s.links.mem[j.memory + 2] = s.d[m];
     }
 }
 
@@ -56,21 +56,21 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 pub fn depart<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for d in &layout.waves.delays {
         let j = &layout.waves.junctions[d.junction];
-        let v = R::of(0.5) * (s.d[j.mat as usize] + s.mem[j.memory + 2]);
-        s.mem[d.at(s.tick, 0)] = v - s.mem[d.from];
+        let v = R::of(0.5) * (s.d[j.mat as usize] + s.links.mem[j.memory + 2]);
+        s.links.mem[d.at(s.tick, 0)] = v - s.links.mem[d.from];
     }
 }
 
 /// The sum of squares, eight sums side by side: one after the other they would wait for each other.
 fn squares<R: Real>(all: &[R]) -> R::Outer {
     let (whole, rest) = all.as_chunks::<8>();
-    let mut sums = [real(0.0); 8];
+    let mut sums = [R::Outer::ZERO; 8];
     for eight in whole {
         for (sum, v) in sums.iter_mut().zip(eight) {
-            *sum += outer(*v) * outer(*v);
+            *sum += v.outer() * v.outer();
         }
     }
-    sums.iter().sum::<R::Outer>() + rest.iter().map(|v| outer(*v) * outer(*v)).sum::<R::Outer>()
+    sums.iter().sum::<R::Outer>() + rest.iter().map(|v| v.outer() * v.outer()).sum::<R::Outer>()
 }
 
 /// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
@@ -80,32 +80,32 @@ fn squares<R: Real>(all: &[R]) -> R::Outer {
 /// still hear and (a+b)(a+2b) of the newer one count as stored; an allpass of memory q holds q²/(1 − c²).
 pub fn energy<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R]) -> (R::Outer, R::Outer) {
     let w = &layout.waves;
-    let (mut stored, mut heat) = (real(0.0), real(0.0));
+    let (mut stored, mut heat) = (R::Outer::ZERO, R::Outer::ZERO);
     for d in &w.delays {
-        let wave = |back: usize| outer(s.mem[d.at(s.tick, back)]);
+        let wave = |back: usize| s.links.mem[d.at(s.tick, back)].outer();
         let energy = |v: R::Outer| v * v;
-        let mut sum = real(0.0);
+        let mut sum = R::Outer::ZERO;
         let way = if let Termination::Lossy { loss, memory } = d.end {
             let way = d.len - 3;
             let [a, b, c] = [loss.a, loss.b, loss.c];
             let [u0, u1, u2] = [1, 2, 3].map(|more| wave(way + more));
-            let gain = a + <R::Outer>::of(2.0) * b;
+            let gain = a + R::Outer::of(2.0) * b;
             let (newer, older) = (gain * (a + b), gain * b);
             let taps = |u: R::Outer, v: R::Outer| newer * energy(u) + older * energy(v);
-            sum += taps(u0, u1) + energy(outer(s.mem[memory])) / (<R::Outer>::of(1.0) - c * c);
+            sum += taps(u0, u1) + energy(s.links.mem[memory].outer()) / (R::Outer::of(1.0) - c * c);
             let out = energy(a * u1 + b * (u0 + u2));
             heat += w.junctions[d.junction].z * (energy(u0) + taps(u1, u2) - out - taps(u0, u1));
             way
         } else {
             d.len
         };
-        let [older, newer] = d.under_way(&s.mem, s.tick, way);
+        let [older, newer] = d.under_way(&s.links.mem, s.tick, way);
         sum += squares(older) + squares(newer);
         stored += w.junctions[d.junction].z * sum;
     }
     for j in &w.junctions {
-        let v = <R::Outer>::of(0.5) * outer(s.d[j.mat as usize] + d0[j.mat as usize]);
-        heat -= <R::Outer>::of(2.0) * j.z * v * v;
+        let v = R::Outer::of(0.5) * (s.d[j.mat as usize] + d0[j.mat as usize]).outer();
+        heat -= R::Outer::of(2.0) * j.z * v * v;
     }
     (stored, heat)
 }

@@ -6,7 +6,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 
 /// ATT in the catalog.
 pub static KIND: Kind = Kind {
@@ -73,7 +73,7 @@ impl Phi<5, 0> for Att {
         } else if r < d {
             (fall * (d - r)).copysign(e) + z * w
         } else {
-            real(0.0)
+            R::ZERO
         }
     }
     #[inline(always)]
@@ -85,13 +85,13 @@ impl Phi<5, 0> for Att {
         } else if r < d {
             -rest(r)
         } else {
-            real(0.0)
+            R::ZERO
         }
     }
     #[inline(always)]
     fn lost<R: Real>(&[_, _, d, _, z]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
-        if e[1].abs() < d { z * w * w } else { real(0.0) }
+        if e[1].abs() < d { z * w * w } else { R::ZERO }
     }
     fn bound(&[k, _, _, fall, z]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k: k.max(fall), z, contact: true, ..Bound::default() }

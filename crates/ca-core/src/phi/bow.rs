@@ -6,16 +6,16 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
-//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd ([`crate::method`]).
+//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd (`method`).
 //! Stability: the slope f/v0 counts as a viscosity; with method "ca" slope·T/m < 1.5 for a faithful stick
 //! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
-//! and "newton" are passive at any slope ([`crate::method`]). Test: B07.
+//! and "newton" are passive at any slope (`method`). Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::coulomb;
 use crate::method::friction::{self, Curve};
-use crate::numeric::{NONE, Real, Table, real, wide};
+use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
 
 crate::choice::choice! {
@@ -107,10 +107,8 @@ pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
 /// With `curve = "coulomb"`.
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
 /// With `curve = "table"`.
-pub static TABLE: Law = Law {
-    load: |p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]),
-    ..Law::of::<lnl::TableFriction, 2, 0>("BOW table")
-};
+pub static TABLE: Law = Law::of::<lnl::TableFriction, 2, 0>("BOW table")
+    .loaded_by(|p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]));
 
 /// All laws of [`LAWS`] but the first.
 static OTHERS: &[&Law] = &[
@@ -199,7 +197,7 @@ impl Phi<3, 0> for Smooth {
     #[inline(always)]
     fn force<R: Real>(&[f, per, bell]: &[R; 3], _: &mut [R; 0], tables: &[Table<R>], _e: R, w: R) -> R {
         let u = w * per;
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| (f * t.at(u.abs())).copysign(u))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| (f * t.at(u.abs())).copysign(u))
     }
     #[inline(always)]
     fn lost<R: Real>(c: &[R; 3], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
@@ -216,10 +214,10 @@ impl Curve<3> for Smooth {
         f * per * 1.648_721_270_700_128_2
     }
     fn chord<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.chord((w * per).abs()))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| f * per * t.chord((w * per).abs()))
     }
     fn slope<R: Real>(&[f, per, bell]: &[R; 3], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(bell) as usize).map_or(real(0.0), |t| f * per * t.slope((w * per).abs()))
+        tables.get(bell.wide() as usize).map_or(R::ZERO, |t| f * per * t.slope((w * per).abs()))
     }
 }
 
@@ -259,7 +257,7 @@ impl Curve<5> for Piecewise {
         rise.max(fall)
     }
     fn chord<R: Real>(c: &[R; 5], tables: &[Table<R>], w: R) -> R {
-        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, real(0.0), w) / w }
+        if w.abs() < c[1] { c[0] } else { Self::force(c, &mut [], tables, R::ZERO, w) / w }
     }
     fn slope<R: Real>(&[rise, v0, _, fall, v1]: &[R; 5], _: &[Table<R>], w: R) -> R {
         let v = w.abs();
@@ -268,7 +266,7 @@ impl Curve<5> for Piecewise {
         } else if v < v1 {
             -fall
         } else {
-            real(0.0)
+            R::ZERO
         }
     }
 }
@@ -306,7 +304,7 @@ impl Curve<3> for SetValued {
         coulomb::chord(*c, w)
     }
     fn slope<R: Real>(c: &[R; 3], _: &[Table<R>], w: R) -> R {
-        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { real(0.0) }
+        if w.abs() <= c[2] { coulomb::chord(*c, w) } else { R::ZERO }
     }
 }
 
@@ -340,6 +338,6 @@ impl Curve<2> for Coulomb {
         (f / w.abs()).min(rise)
     }
     fn slope<R: Real>(&[rise, f]: &[R; 2], _: &[Table<R>], w: R) -> R {
-        if rise * w.abs() < f { rise } else { real(0.0) }
+        if rise * w.abs() < f { rise } else { R::ZERO }
     }
 }

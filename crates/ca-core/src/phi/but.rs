@@ -4,14 +4,14 @@
 //! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
 //! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
 //! Stability: method "ca" is not passive at any stiffness; unstable while it presses from kT²/m + 2zT/m = 4 on. With kT²/m ≤ 1 and
-//! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness ([`crate::method`]).
+//! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness (`method`).
 //! Test: A17, B05, C01 to C06.
 
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{gradient, quadratised};
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 
 /// BUT in the catalog.
 pub static KIND: Kind = Kind {
@@ -91,18 +91,18 @@ impl Phi<5, 0> for But {
     #[inline(always)]
     fn force<R: Real>(&[k, z, d, side, clip]: &[R; 5], _: &mut [R; 0], _: &[Table<R>], e: R, w: R) -> R {
         let g = e - d;
-        let f = if side * g < R::ZERO { k * g + z * w } else { real(0.0) };
-        if clip != R::ZERO && side * f > R::ZERO { real(0.0) } else { f }
+        let f = if side * g < R::ZERO { k * g + z * w } else { R::ZERO };
+        if clip != R::ZERO && side * f > R::ZERO { R::ZERO } else { f }
     }
     #[inline(always)]
     fn potential<R: Real>(&[k, _, d, side, _]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let g = e - d;
-        if side * g < R::ZERO { R::of(0.5) * k * g * g } else { real(0.0) }
+        if side * g < R::ZERO { R::of(0.5) * k * g * g } else { R::ZERO }
     }
     #[inline(always)]
     fn lost<R: Real>(c: &[R; 5], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
-        let elastic = Self::force(&[c[0], real(0.0), c[2], c[3], real(0.0)], &mut { *m }, t, e[1], w);
+        let elastic = Self::force(&[c[0], R::ZERO, c[2], c[3], R::ZERO], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
     }
     fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {

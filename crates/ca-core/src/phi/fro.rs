@@ -7,7 +7,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 
 /// FRO in the catalog.
 pub static KIND: Kind = Kind {
@@ -69,7 +69,7 @@ impl Phi<1, 0> for Fro {
     }
     #[inline(always)]
     fn stored<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
-        linear_stored(real(0.0), z, e0, e1)
+        linear_stored(R::ZERO, z, e0, e1)
     }
     #[inline(always)]
     fn lost<R: Real>(&[z]: &[R; 1], _: &[R; 0], _: &[Table<R>], e: [R; 3]) -> R {

@@ -3,14 +3,14 @@
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p max(0, 1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
 //! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point, unstable there from 4 on with its losses. "stable" and "stable3d" are passive
-//! at any stiffness ([`crate::method`]). It never pulls. Test: B04.
+//! at any stiffness (`method`). It never pulls. Test: B04.
 
 use super::pow::P;
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{gradient, quadratised};
-use crate::numeric::{Real, Table, quarter_power, real};
+use crate::numeric::{Real, Table, quarter_power};
 
 /// HRZ in the catalog.
 pub static KIND: Kind = Kind {
@@ -97,20 +97,20 @@ impl Phi<5, 0> for Hrz {
         let eta = side * (d - e);
         if eta > R::ZERO {
             let push = k * quarter_power(eta, n) * (R::of(1.0) - h * side * w);
-            if push > R::ZERO { -side * push } else { real(0.0) }
+            if push > R::ZERO { -side * push } else { R::ZERO }
         } else {
-            real(0.0)
+            R::ZERO
         }
     }
     #[inline(always)]
     fn potential<R: Real>(&[k, n, _, d, side]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R) -> R {
         let eta = side * (d - e);
-        if eta > R::ZERO { k * quarter_power(eta, n + R::of(4.0)) / (R::of(0.25) * n + R::of(1.0)) } else { real(0.0) }
+        if eta > R::ZERO { k * quarter_power(eta, n + R::of(4.0)) / (R::of(0.25) * n + R::of(1.0)) } else { R::ZERO }
     }
     #[inline(always)]
     fn lost<R: Real>(c: &[R; 5], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
         let w = e[1] - e[0];
-        let elastic = Self::force(&[c[0], c[1], real(0.0), c[3], c[4]], &mut { *m }, t, e[1], w);
+        let elastic = Self::force(&[c[0], c[1], R::ZERO, c[3], c[4]], &mut { *m }, t, e[1], w);
         (Self::force(c, &mut { *m }, t, e[1], w) - elastic) * w
     }
     fn bound(&[k, n, h, ..]: &[f64; 5], _: &[Table]) -> Bound {

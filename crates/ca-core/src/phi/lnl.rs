@@ -8,7 +8,7 @@
 use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, SOFTEN};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
 use crate::method::friction::Curve;
-use crate::numeric::{NONE, Real, Table, real, wide};
+use crate::numeric::{NONE, Real, Table};
 
 /// LNL in the catalog.
 pub static KIND: Kind = Kind {
@@ -85,11 +85,11 @@ impl Phi<1, 0> for TableSpring {
     }
     #[inline(always)]
     fn force<R: Real>(&[n]: &[R; 1], _: &mut [R; 0], tables: &[Table<R>], e: R, _w: R) -> R {
-        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(e))
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| t.at(e))
     }
     #[inline(always)]
     fn potential<R: Real>(&[n]: &[R; 1], _: &[R; 0], tables: &[Table<R>], e: R) -> R {
-        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.integral(e))
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| t.integral(e))
     }
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
         let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
@@ -111,7 +111,7 @@ impl Phi<2, 0> for TableFriction {
     }
     #[inline(always)]
     fn force<R: Real>(&[n, fs]: &[R; 2], _: &mut [R; 0], tables: &[Table<R>], _e: R, w: R) -> R {
-        tables.get(wide(n) as usize).map_or(real(0.0), |t| t.at(w * fs))
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| t.at(w * fs))
     }
     #[inline(always)]
     fn lost<R: Real>(c: &[R; 2], m: &[R; 0], t: &[Table<R>], e: [R; 3]) -> R {
@@ -130,10 +130,10 @@ impl Curve<2> for TableFriction {
         hi.max(-lo) * fs
     }
     fn chord<R: Real>(&[n, fs]: &[R; 2], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.chord(w * fs))
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| fs * t.chord(w * fs))
     }
     fn slope<R: Real>(&[n, fs]: &[R; 2], tables: &[Table<R>], w: R) -> R {
-        tables.get(wide(n) as usize).map_or(real(0.0), |t| fs * t.slope(w * fs))
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| fs * t.slope(w * fs))
     }
 }
 

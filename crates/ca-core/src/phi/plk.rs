@@ -7,7 +7,7 @@
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi, linear_lost, linear_stored};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use crate::numeric::{NONE, Real, Table, real};
+use crate::numeric::{NONE, Real, Table};
 
 crate::choice::choice! {
     /// On which way it plucks.
@@ -92,33 +92,33 @@ impl Phi<5, 3> for Plk {
         [p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0) / tick_dt, p[at::D].unwrap_or(NONE), side, engaged]
     }
     fn start<R: Real>(&[_, _, d, side, engaged]: &[R; 5], e: R) -> [R; 3] {
-        [if e.abs() < d && side * e >= R::ZERO { engaged } else { real(0.0) }, e, real(0.0)]
+        [if e.abs() < d && side * e >= R::ZERO { engaged } else { R::ZERO }, e, R::ZERO]
     }
     #[inline(always)]
     fn force<R: Real>(&[k, z, d, side, _]: &[R; 5], mem: &mut [R; 3], _: &[Table<R>], e: R, w: R) -> R {
         let [engaged, last, released] = mem;
-        *released = real(0.0);
+        *released = R::ZERO;
         if *engaged != R::ZERO {
             if e.abs() >= d {
-                *engaged = real(0.0);
+                *engaged = R::ZERO;
                 *released = R::of(0.5) * k * e * e;
             } else if side * e < R::ZERO {
                 // next to nothing is stored there, and what a tick leaves of it is no heat
-                *engaged = real(0.0);
+                *engaged = R::ZERO;
             }
         } else if e.abs() < d {
             // from one sign to the other, or from nothing to the side it holds on
             let (rises, falls) = (*last <= R::ZERO && e >= R::ZERO, *last >= R::ZERO && e <= R::ZERO);
             if (rises && side >= R::ZERO) || (falls && side <= R::ZERO) {
-                *engaged = real(1.0);
+                *engaged = R::of(1.0);
             }
         }
         *last = e;
-        if *engaged == R::ZERO { real(0.0) } else { k * e + z * w }
+        if *engaged == R::ZERO { R::ZERO } else { k * e + z * w }
     }
     #[inline(always)]
     fn stored<R: Real>(&[k, z, ..]: &[R; 5], mem: &[R; 3], _: &[Table<R>], e0: R, e1: R) -> R {
-        if mem[0] == R::ZERO { real(0.0) } else { linear_stored(k, z, e0, e1) }
+        if mem[0] == R::ZERO { R::ZERO } else { linear_stored(k, z, e0, e1) }
     }
     #[inline(always)]
     fn lost<R: Real>(&[_, z, ..]: &[R; 5], mem: &[R; 3], _: &[Table<R>], e: [R; 3]) -> R {

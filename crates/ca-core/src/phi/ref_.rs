@@ -56,7 +56,7 @@ pub static LAW: Law =
 
 /// FRO with the parameters of REF in their places.
 pub static ZONLY: Law =
-    Law { load: |p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt, ..Law::of::<fro::Fro, 1, 0>("FRO") };
+    Law::of::<fro::Fro, 1, 0>("FRO").loaded_by(|p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt);
 
 /// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {

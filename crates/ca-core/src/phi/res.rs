@@ -7,7 +7,7 @@ use super::implicit::{METHOD, THETA};
 use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_stored};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
 use crate::law::Number;
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 
 /// RES in the catalog.
 pub static KIND: Kind = Kind {
@@ -71,7 +71,7 @@ impl Phi<1, 0> for Res {
     }
     #[inline(always)]
     fn stored<R: Real>(&[k]: &[R; 1], _: &[R; 0], _: &[Table<R>], e0: R, e1: R) -> R {
-        linear_stored(k, real(0.0), e0, e1)
+        linear_stored(k, R::ZERO, e0, e1)
     }
     fn bound(&[k]: &[f64; 1], _: &[Table]) -> Bound {
         Bound { k, linear: true, ..Bound::default() }

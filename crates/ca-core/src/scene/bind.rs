@@ -6,13 +6,19 @@
 //! folded for them, are over `f64` alone.
 
 use super::{Before, Scene, start};
-use crate::numeric::{Precision, Real, Table, VerletList, real};
+use crate::numeric::{Precision, Real, Table, VerletList};
+use crate::op::energy::empty_ledger;
+use crate::op::layout::AccountFns;
 use crate::op::layout::{
     Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
     SlowGroup, Substeps, Termination, Waves,
 };
+use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 use crate::op::{Band, Form, Integrate, Laws, Op};
-use crate::state::{ActiveContacts, Cell, Identity, Ledger, Ramps, SlowState, State};
+use crate::scene::identify;
+use crate::scene::{About, InHand, OutputNames, Passes};
+use crate::state::{ActiveContacts, Cell, Ledger, Ramps, SlowState, State};
+use crate::state::{LinkState, PortState};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -50,9 +56,10 @@ impl Scene {
     /// [`Unbound`].
     pub fn bind<R: Real>(&self, laws: &Laws<R>) -> Result<Scene<R>, Unbound> {
         let layout = layout(&self.layout, laws)?;
-        let [reads, forces, writes] = [&self.reads, &self.forces, &self.writes].map(|list| ops(list, laws, listed));
+        let [reads, forces, writes] =
+            [&self.passes.reads, &self.passes.forces, &self.passes.writes].map(|list| ops(list, laws, listed));
         let (reads, forces, writes) = (reads?, forces?, writes?);
-        let moves = ops(&self.moves, laws, |form| form)?;
+        let moves = ops(&self.passes.moves, laws, |form| form)?;
         let before = match &self.before {
             Some(b) => {
                 Some(Before { start: b.start, state: state(&b.state, &layout), forces: ops(&b.forces, laws, listed)? })
@@ -63,31 +70,29 @@ impl Scene {
             Some(b) if R::PRECISION == Precision::Single => start(&layout, &b.forces, b.start, b.state.clone()),
             _ => state(&self.initial, &layout),
         };
-        initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+        initial.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
         let mut live = self.live.clone();
         live.scene = initial.scene;
         Ok(Scene {
             rate: self.rate,
             layout,
-            reads,
-            forces,
-            fused: self.fused,
-            writes,
-            moves,
+            passes: Passes { reads, forces, fused: self.passes.fused, writes, moves, sorted: self.passes.sorted },
             inputs: self.inputs.clone(),
-            channel_names: self.channel_names.clone(),
-            probe_names: self.probe_names.clone(),
-            probe_of: self.probe_of.clone(),
+            names: OutputNames {
+                channel_names: self.names.channel_names.clone(),
+                probe_names: self.names.probe_names.clone(),
+                probe_of: self.names.probe_of.clone(),
+            },
             live,
-            gestures: self.gestures.clone(),
+            about: About {
+                gestures: self.about.gestures.clone(),
+                left_out: self.about.left_out.clone(),
+                title: self.about.title.clone(),
+                seconds: self.about.seconds,
+            },
             symbols: self.symbols.clone(),
             certificate: self.certificate.clone(),
-            equivalence: self.equivalence.clone(),
-            couplings: self.couplings.clone(),
-            left_out: self.left_out.clone(),
-            sorted: self.sorted,
-            title: self.title.clone(),
-            seconds: self.seconds,
+            hand: InHand { equivalence: self.hand.equivalence.clone(), couplings: self.hand.couplings.clone() },
             initial,
             before,
         })
@@ -102,7 +107,7 @@ pub(super) fn listed(form: Form) -> Form {
 /// Passes with their kernels; `form` says by which form links run.
 fn ops<R: Real>(list: &[Op], laws: &Laws<R>, form: fn(Form) -> Form) -> Result<Vec<Op<R>>, Unbound> {
     let op = |op: &Op| {
-        let &Op { kernel: _, pass, name, law, fns: _, form: of, ports, n, first, mat, coef, mem, tap } = op;
+        let &Op { kernel: _, pass, law, fns: _, form: of, ports, n, first, mat, coef, mem, tap } = op;
         if of.folded {
             return Err(Unbound::Kernels);
         }
@@ -111,27 +116,40 @@ fn ops<R: Real>(list: &[Op], laws: &Laws<R>, form: fn(Form) -> Form) -> Result<V
             None => None,
         };
         let kernel = fns.map_or_else(|| pass.kernel(), |fns| (fns.kernel)(form(of)));
-        Ok(Op { kernel, pass, name, law, fns, form: of, ports, n, first, mat, coef, mem, tap })
+        Ok(Op { kernel, pass, law, fns, form: of, ports, n, first, mat, coef, mem, tap })
     };
     list.iter().map(op).collect()
 }
 
 fn reals<R: Real, All: FromIterator<R>>(all: &[f64]) -> All {
-    all.iter().map(|v| real(*v)).collect()
+    all.iter().map(|v| R::of(*v)).collect()
 }
 
 fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
-    let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: real(p.rest), implicit: p.implicit };
+    let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: R::Outer::of(p.rest), implicit: p.implicit };
     let heard = |h: &HeardLink| {
         let fns = laws.get(h.law).ok_or(Unbound::Law(h.law.code))?;
         let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = h;
-        Ok(HeardLink { law, force: fns.force, ends, e0: real(e0), coef, step, coefs, tap })
+        Ok(HeardLink { law, force: fns.force, ends, e0: R::of(e0), coef, step, coefs, tap })
     };
     let account = |a: &Account| {
         let fns = laws.get(a.law).ok_or(Unbound::Law(a.law.code))?;
-        let &Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies: _, rows, idle: _ } = a;
+        let &Account {
+            op,
+            n,
+            ports,
+            first,
+            coef,
+            mem,
+            tap,
+            law,
+            linear,
+            live,
+            fns: AccountFns { energies: _, idle: _ },
+            rows,
+        } = a;
         let (energies, idle) = (fns.energies, fns.idle);
-        Ok(Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies, rows, idle })
+        Ok(Account { op, n, ports, first, coef, mem, tap, law, linear, live, fns: AccountFns { energies, idle }, rows })
     };
     let ledger = match &l.ledger {
         Some(plan) => Some(LedgerPlan {
@@ -141,11 +159,11 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         }),
         None => None,
     };
-    let slow = match &l.slow {
+    let slow = match &l.rates.slow {
         Some(group) => Some(Arc::new(slow_group(group, laws)?)),
         None => None,
     };
-    let substeps = match &l.substeps {
+    let substeps = match &l.rates.substeps {
         Some(s) => {
             Some(Substeps { times: s.times, tick: ops(&s.tick, laws, |form| form)?.into(), inputs: s.inputs.clone() })
         }
@@ -159,59 +177,65 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         table: reals(&d.table),
     };
     Ok(Layout {
-        sample_dt: l.sample_dt,
-        ratio: l.ratio,
-        frame: l.frame,
-        n_mat: l.n_mat,
-        n_lia: l.n_lia,
-        n_coef: l.n_coef,
-        n_mem: l.n_mem,
-        n_touch: l.n_touch,
-        n_tap: l.n_tap,
-        channels: l.channels,
-        n_out: l.n_out,
-        ends: l.ends.clone(),
-        onto: l.onto.clone(),
-        reach: l.reach.iter().map(|r| r.map(real)).collect(),
-        rows: l.rows.clone(),
-        pair_sets: l.pair_sets.clone(),
-        e0: reals(&l.e0),
-        rest: reals(&l.rest),
-        nodes: l.nodes.clone(),
-        moving_points: l.moving_points.clone(),
-        modal: l.modal.clone(),
-        shares: reals(&l.shares),
-        solved_modal: l.solved_modal.clone(),
-        modal_couplings: l.modal_couplings.clone(),
-        couplings: reals(&l.couplings),
+        rates: Rates { sample_dt: l.rates.sample_dt, ratio: l.rates.ratio, frame: l.rates.frame, slow, substeps },
+        counts: Counts {
+            n_mat: l.counts.n_mat,
+            n_lia: l.counts.n_lia,
+            n_coef: l.counts.n_coef,
+            n_mem: l.counts.n_mem,
+            n_touch: l.counts.n_touch,
+            n_tap: l.counts.n_tap,
+            channels: l.counts.channels,
+            n_out: l.counts.n_out,
+        },
+        links: LinkArrays {
+            ends: l.links.ends.clone(),
+            onto: l.links.onto.clone(),
+            reach: l.links.reach.iter().map(|r| r.map(R::of)).collect(),
+            rows: l.links.rows.clone(),
+            pair_sets: l.links.pair_sets.clone(),
+            e0: reals(&l.links.e0),
+        },
+        places: Places {
+            rest: reals(&l.places.rest),
+            nodes: l.places.nodes.clone(),
+            moving_points: l.places.moving_points.clone(),
+            modal: l.places.modal.clone(),
+            shares: reals(&l.places.shares),
+            solved_modal: l.places.solved_modal.clone(),
+            modal_couplings: l.places.modal_couplings.clone(),
+            couplings: reals(&l.places.couplings),
+        },
         tables: l.tables.iter().map(Table::rounded).collect::<Option<_>>().ok_or(Unbound::Table)?,
-        enx: l.enx.iter().map(enx).collect(),
-        enf: l.enf.clone(),
-        tgr: l.tgr.iter().map(enx).collect(),
-        driven: l.driven.iter().map(driven).collect(),
-        crossing: l.crossing,
+        ports: PortArrays {
+            enx: l.ports.enx.iter().map(enx).collect(),
+            enf: l.ports.enf.clone(),
+            tgr: l.ports.tgr.iter().map(enx).collect(),
+            driven: l.ports.driven.iter().map(driven).collect(),
+            crossing: l.ports.crossing,
+        },
         waves: waves(&l.waves),
         weighed: l.weighed.clone(),
-        heard: l.heard.iter().map(heard).collect::<Result<_, _>>()?,
-        outputs: l.outputs.clone(),
-        of_motion: l.of_motion,
-        output_rows: l.output_rows.clone(),
-        blockers: l.blockers.iter().map(|b| DcBlocker { r: real(b.r), g: real(b.g) }).collect(),
-        lowpass: reals(&l.lowpass),
+        out: OutputArrays {
+            heard: l.out.heard.iter().map(heard).collect::<Result<_, _>>()?,
+            outputs: l.out.outputs.clone(),
+            of_motion: l.out.of_motion,
+            output_rows: l.out.output_rows.clone(),
+            blockers: l.out.blockers.iter().map(|b| DcBlocker { r: R::of(b.r), g: R::of(b.g) }).collect(),
+            lowpass: reals(&l.out.lowpass),
+        },
         implicit: l.implicit.as_ref().map(implicit),
         ledger,
-        slow,
-        substeps,
         vectors: l.vectors,
     })
 }
 
 fn waves<R: Real>(w: &Waves) -> Waves<R> {
-    let junction = |j: &Junction| Junction { mat: j.mat, z: real(j.z), memory: j.memory };
+    let junction = |j: &Junction| Junction { mat: j.mat, z: R::Outer::of(j.z), memory: j.memory };
     let end = |end: Termination| match end {
         Termination::Open => Termination::Open,
         Termination::Rigid => Termination::Rigid,
-        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(real), memory },
+        Termination::Lossy { loss, memory } => Termination::Lossy { loss: loss.map(R::Outer::of), memory },
     };
     let delay = |d: &Delay| {
         let &Delay { junction, from, to, first, len, end: of } = d;
@@ -226,7 +250,7 @@ fn waves<R: Real>(w: &Waves) -> Waves<R> {
 }
 
 fn implicit<R: Real>(a: &ImplicitLinks) -> ImplicitLinks<R> {
-    let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, real(*w))).collect();
+    let weights = |all: &[(u32, f64)]| all.iter().map(|(i, w)| (*i, R::of(*w))).collect();
     let force =
         |f: &LinkForce| LinkForce { coef: f.coef, tap: f.tap, moving: weights(&f.moving), fixed: weights(&f.fixed) };
     ImplicitLinks {
@@ -257,8 +281,8 @@ fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Un
 
 /// A state at load.
 fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
-    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..Ledger::new(layout) }));
-    let slow = s.slow.as_ref().zip(layout.slow.as_ref()).map(|(slow, group)| {
+    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..empty_ledger(layout) }));
+    let slow = s.slow.as_ref().zip(layout.rates.slow.as_ref()).map(|(slow, group)| {
         let SlowState { state: own, ports, unknown, free } = &**slow;
         let own = state(own, &group.layout);
         Box::new(SlowState { state: own, ports: ports.clone(), unknown: unknown.clone(), free: free.clone() })
@@ -270,26 +294,30 @@ fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
         d: reals(&s.d),
         f: reals(&s.f),
         coef: reals(&s.coef),
-        mem: reals(&s.mem),
-        lengths: reals(&s.lengths),
-        tap: reals(&s.tap),
+        links: LinkState {
+            mem: reals(&s.links.mem),
+            lengths: reals(&s.links.lengths),
+            tap: reals(&s.links.tap),
+            cells: s.links.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(R::of) }).collect(),
+            near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
+            implicit: reals(&s.links.implicit),
+            touches: ActiveContacts::new(layout.counts.n_touch, layout.counts.n_mat),
+        },
         input: s.input.clone(),
-        last_input: s.last_input.clone(),
+        ports: PortState {
+            last_input: s.ports.last_input.clone(),
+            border: s.ports.border.clone(),
+            late: s.ports.late.clone(),
+            blocked: s.ports.blocked.iter().map(|b| b.map(R::of)).collect(),
+            glide: s.ports.glide.clone(),
+            lowpass: reals(&s.ports.lowpass),
+            refused: s.ports.refused,
+        },
         output: reals(&s.output),
-        cells: s.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(real) }).collect(),
-        near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         slow,
-        border: s.border.clone(),
-        late: s.late.clone(),
-        blocked: s.blocked.iter().map(|b| b.map(real)).collect(),
-        glide: s.glide.clone(),
-        lowpass: reals(&s.lowpass),
-        implicit: reals(&s.implicit),
-        touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ramps: Ramps::new(index.clone(), *whole),
         written: s.written.clone(),
         ledger,
         tick: s.tick,
-        refused: s.refused,
     }
 }

@@ -63,6 +63,28 @@ pub struct Key {
     pub links: Vec<(String, f64)>,
 }
 
+/// Contacts, non-linear links and friction, which are judged by rule (docs/numerics.md §3.2).
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
+pub struct Rules {
+    /// largest contact stiffness ratio kT²/m; an explicit contact makes energy at any, see
+    /// [`Growth::near`](crate::scene::growth::Growth::near)
+    pub contact: f64,
+    /// the contact it belongs to
+    pub stiffest: String,
+    /// largest T²k + 2Tz against the masses of a contact while it presses, where it is steepest within reach; at 4 and above it is
+    /// unstable by itself
+    pub closed: f64,
+    /// of what is judged by rule, the link that uses the largest share of its limit
+    pub decides: String,
+    /// hardening links with an unknown largest elongation: the certificate judges them at rest
+    pub open: Vec<String>,
+    /// of contacts by a power of their depth, p q η^(p−1) T²/m reaches 1 in this one first, at this depth η \[m\]
+    pub depth: Option<(String, f64)>,
+    /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
+    pub friction: f64,
+}
+
 /// What the compiler could prove.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
@@ -88,22 +110,8 @@ pub struct Certificate {
     pub ripple: Option<f64>,
     /// the module nearest to the limit; empty where nothing has one
     pub worst: String,
-    /// largest contact stiffness ratio kT²/m; an explicit contact makes energy at any, see
-    /// [`Growth::near`](crate::scene::growth::Growth::near)
-    pub contact: f64,
-    /// the contact it belongs to
-    pub stiffest: String,
-    /// largest T²k + 2Tz against the masses of a contact while it presses, where it is steepest within reach; at 4 and above it is
-    /// unstable by itself
-    pub closed: f64,
-    /// of what is judged by rule, the link that uses the largest share of its limit
-    pub decides: String,
-    /// hardening links with an unknown largest elongation: the certificate judges them at rest
-    pub open: Vec<String>,
-    /// of contacts by a power of their depth, p q η^(p−1) T²/m reaches 1 in this one first, at this depth η \[m\]
-    pub depth: Option<(String, f64)>,
-    /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
-    pub friction: f64,
+    /// contacts, non-linear links and friction
+    pub rules: Rules,
     /// items with masses that nothing hears: they are left out, and nothing here is said of them
     pub not_judged: Vec<String>,
     /// device keys that something stiff holds
@@ -111,43 +119,6 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// That of a scene and of its groups at the gesture rate together, from one of each by itself: what crosses between them is
-    /// exact, if not `compensated`, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
-    #[must_use]
-    pub fn beside(self, slow: Certificate, compensated: bool) -> Certificate {
-        let nearer = slow.bound > self.bound;
-        let closer = slow.margin() < self.margin();
-        let largest = match (self.largest, slow.largest) {
-            (Some(a), Some(b)) => Some(if b.1 > a.1 { b } else { a }),
-            (a, b) => a.or(b),
-        };
-        let depth = match (self.depth, slow.depth) {
-            (Some(a), Some(b)) => Some(if b.1 < a.1 { b } else { a }),
-            (a, b) => a.or(b),
-        };
-        let stiffest = if slow.contact > self.contact { slow.stiffest } else { self.stiffest };
-        let decides = if closer || self.decides.is_empty() { slow.decides } else { self.decides };
-        let open = self.open.into_iter().chain(slow.open).collect();
-        Certificate {
-            level: self.level.max(slow.level).max(if compensated { Level::NotProven } else { Level::Proven }),
-            bound: self.bound.max(slow.bound),
-            lower: self.lower.max(slow.lower),
-            exact: self.exact || slow.exact,
-            largest,
-            // of a scene that is left alone
-            ripple: None,
-            worst: if nearer { slow.worst } else { self.worst },
-            contact: self.contact.max(slow.contact),
-            stiffest,
-            closed: self.closed.max(slow.closed),
-            decides,
-            open,
-            depth,
-            friction: self.friction.max(slow.friction),
-            ..self
-        }
-    }
-
     /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
     /// the rules leave to the stiffest contact (up to 1, and 4 with its viscosity) and the steepest friction (up to 1.5), where
     /// that is less.
@@ -155,6 +126,6 @@ impl Certificate {
     pub fn margin(&self) -> f64 {
         let linear = 4.0 / self.largest.map_or(self.bound, |l| l.1).max(0.0);
         let room = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };
-        linear.min(room(1.0, self.contact)).min(room(4.0, self.closed)).min(room(1.5, self.friction))
+        linear.min(room(1.0, self.rules.contact)).min(room(4.0, self.rules.closed)).min(room(1.5, self.rules.friction))
     }
 }

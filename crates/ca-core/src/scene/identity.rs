@@ -6,8 +6,9 @@
 //! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
 //! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
 
+use crate::numeric::Real;
 use crate::numeric::words::word;
-use crate::numeric::{Real, wide};
+use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::{Op, SolveStage};
 use crate::scene::Scene;
@@ -16,50 +17,45 @@ use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
 
 /// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
-/// [`Scene::same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
+/// [`same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
 /// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
 /// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J; 5: set-valued friction sticks from the first tick on where
 /// nothing moves at load. Takes of before 5 are begun as they were, and so play the same bits.
 pub const ARITHMETIC: u32 = 5;
 
-impl<R: Real> Scene<R> {
-    /// The oldest arithmetic that plays this scene to the same bits as [`ARITHMETIC`].
-    pub fn same_since(&self) -> u32 {
-        let measures = |op: &Op<R>| {
-            let second = op.ports.onto.map(|onto| onto.0);
-            op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
-        };
-        if self.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
-            return 4;
-        }
-        if self.sorted {
-            return 3;
-        }
-        if !self.layout.enf.is_empty() {
-            return 2;
-        }
-        u32::from(self.forces.iter().any(measures) || !self.layout.output_rows.is_empty())
+/// The oldest arithmetic that plays a scene to the same bits as [`ARITHMETIC`].
+pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
+    let measures = |op: &Op<R>| {
+        let second = op.ports.onto.map(|onto| onto.0);
+        op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
+    };
+    if scene.passes.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
+        return 4;
     }
+    if scene.passes.sorted {
+        return 3;
+    }
+    if !scene.layout.ports.enf.is_empty() {
+        return 2;
+    }
+    u32::from(scene.passes.forces.iter().any(measures) || !scene.layout.out.output_rows.is_empty())
 }
 
-impl Identity {
-    /// That of the scene with these arrays, passes and state at load.
-    pub fn of<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
-        let mut h = Words(fnv::FnvHasher::default());
-        h.layout(layout);
-        for list in passes {
-            h.all(
-                list.iter().map(|o| {
-                    (o.name, o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)
-                }),
-            );
-        }
-        h.word(initial.bits());
-        h.debug(&initial.input);
-        h.debug(&initial.ramps);
-        Identity(h.0.finish().max(1))
+/// The identity of the scene with these arrays, passes and state at load.
+pub fn identify<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
+    let mut h = Words(fnv::FnvHasher::default());
+    h.layout(layout);
+    for list in passes {
+        h.all(
+            list.iter()
+                .map(|o| (o.name(), o.law.map(|l| l.code), o.form, o.ports, o.n, o.first, o.mat, o.coef, o.mem, o.tap)),
+        );
     }
+    h.word(initial.bits());
+    h.debug(&initial.input);
+    h.debug(&initial.ramps);
+    Identity(h.0.finish().max(1))
 }
 
 /// A hash of words. What is long goes in as bits; what is short, as it is written for debugging, which leaves out no
@@ -81,7 +77,7 @@ impl Words {
     /// A list of numbers, behind its length.
     fn numbers<'n, R: Real>(&mut self, all: impl ExactSizeIterator<Item = &'n R>) {
         self.word(all.len() as u64);
-        all.for_each(|v| self.word(wide(*v).to_bits()));
+        all.for_each(|v| self.word(v.wide().to_bits()));
     }
 
     /// The same of places.
@@ -103,51 +99,19 @@ impl Words {
     /// All of a layout: who adds an array to it is asked here what to do with it.
     fn layout<R: Real>(&mut self, layout: &Layout<R>) {
         let Layout {
-            sample_dt,
-            ratio,
-            frame,
-            n_mat,
-            n_lia,
-            n_coef,
-            n_mem,
-            n_touch,
-            n_tap,
-            channels,
-            n_out,
-            ends,
-            onto,
-            reach,
-            pair_sets,
-            e0,
-            rest,
-            nodes,
-            moving_points,
-            modal,
-            shares,
-            solved_modal,
-            modal_couplings,
-            couplings,
+            rates: Rates { sample_dt, ratio, frame, slow, substeps },
+            counts: Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out },
+            // rows follow from ends, reach and rest
+            links: LinkArrays { ends, onto, reach, pair_sets, e0, rows: _ },
+            places: Places { rest, nodes, moving_points, modal, shares, solved_modal, modal_couplings, couplings },
             tables,
-            enx,
-            enf,
-            tgr,
-            driven,
-            crossing,
+            ports: PortArrays { enx, enf, tgr, driven, crossing },
             waves,
             weighed,
-            heard,
-            outputs,
-            of_motion,
-            blockers,
-            lowpass,
+            // output_rows follow from outputs
+            out: OutputArrays { heard, outputs, of_motion, blockers, lowpass, output_rows: _ },
             implicit,
             ledger,
-            slow,
-            substeps,
-            // follows from ends, reach and rest
-            rows: _,
-            // follows from outputs
-            output_rows: _,
             vectors: _,
         } = layout;
         self.debug(&(sample_dt, ratio, frame, n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out));

@@ -7,16 +7,17 @@ pub mod certificate;
 pub mod growth;
 mod identity;
 mod numbers;
+mod parts;
 #[cfg(feature = "bytes")]
 mod plan;
 mod start;
 pub mod symbols;
 
-use crate::equivalence::{Equivalence, Gains};
+use crate::equivalence::Gains;
 use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
 use crate::live::{Controls, LivePlan};
-use crate::numeric::{Real, inner, real};
+use crate::numeric::Real;
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
@@ -25,7 +26,9 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 pub use bind::Unbound;
 use certificate::Certificate;
-pub use identity::ARITHMETIC;
+pub use identity::{ARITHMETIC, identify, same_since};
+pub use numbers::{numbers, structure};
+pub use parts::{About, InHand, OutputNames, Passes};
 #[cfg(feature = "bytes")]
 pub use plan::{PLAN_VERSION, Plan, PlanError};
 pub use start::{Order, Start, start};
@@ -84,46 +87,22 @@ pub struct Scene<R: Real = f64> {
     pub rate: f64,
     /// what the passes read
     pub layout: Layout<R>,
-    /// passes before the forces: ports, ledger, changes, moving points
-    pub reads: Vec<Op<R>>,
-    /// passes that sum forces at the present positions, then the rows that `moves` sum (see [`Scene::fused`])
-    pub forces: Vec<Op<R>>,
-    /// how many of the last of `forces` no tick runs by themselves, since a pass of `moves` sums them and integrates
-    pub fused: usize,
-    /// passes that write outputs
-    pub writes: Vec<Op<R>>,
-    /// passes that move the MATs
-    pub moves: Vec<Op<R>>,
-
+    /// what a tick runs
+    pub passes: Passes<R>,
     /// indices into [`State::input`]
     pub inputs: Vec<Input>,
-    /// names of the sound channels (channels)
-    pub channel_names: Vec<String>,
-    /// names of the probes (n_out − channels): the selector, or the module where it chose several, with `.x`, `.y`, `.z`
-    /// for what is in space
-    pub probe_names: Vec<String>,
-    /// for each of them the selector that asked for it, a place in the list that the compiler was given
-    pub probe_of: Vec<u32>,
+    /// what the outputs are called
+    pub names: OutputNames,
     /// live coefficients and how to compute them
     pub live: LivePlan,
-    /// the built-in gesture of the model: what it drives and its points \[s, value\]
-    pub gestures: Vec<(String, Vec<[f64; 2]>)>,
+    /// what the author says of it
+    pub about: About,
     /// name and place of every module, MATs first, in document order
     pub symbols: Symbols,
     /// stability as the compiler could prove it
     pub certificate: Certificate,
-    /// how large and heavy the model is in the hand
-    pub equivalence: Equivalence,
-    /// device ports that are coupled to their links
-    pub couplings: Vec<Coupling>,
-    /// what the passes of the compiler left out, in words
-    pub left_out: Vec<String>,
-    /// links are summed, or masses stand, in another order than by arithmetic 2, so that rows are found
-    pub sorted: bool,
-    /// title of the model
-    pub title: String,
-    /// how long the author lets it sound \[s\], if said
-    pub seconds: Option<f64>,
+    /// how it is in the hand
+    pub hand: InHand,
     /// the state at load
     pub initial: State<R>,
     /// what it was made of, where ports are part of the start, or the scene is bound to another precision
@@ -159,22 +138,17 @@ impl<R: Real> Scene<R> {
     /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
     /// that stands where it is.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State<R> {
-        let moves = self.layout.oversample() == 1 && self.layout.enx.iter().any(|p| p.implicit);
+        let moves = self.layout.oversample() == 1 && self.layout.ports.enx.iter().any(|p| p.implicit);
         let Some(before) = self.before.as_ref().filter(|_| moves) else { return self.state() };
         let mut s = before.state.clone();
-        for p in self.layout.enx.iter().filter(|p| p.implicit) {
+        for p in self.layout.ports.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            s.x[p.mat as usize] = inner(real::<R::Outer>(x) - p.rest);
-            s.d[p.mat as usize] = real(d);
+            s.x[p.mat as usize] = R::inner(R::Outer::of(x) - p.rest);
+            s.d[p.mat as usize] = R::of(d);
         }
         let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;
         s
-    }
-
-    /// The passes of [`Scene::forces`] that a tick runs by themselves.
-    pub fn summed(&self) -> &[Op<R>] {
-        &self.forces[..self.forces.len() - self.fused]
     }
 
     /// MATs by number, whatever their axes.
@@ -182,28 +156,9 @@ impl<R: Real> Scene<R> {
         self.symbols.mats()
     }
 
-    /// LIAs by number; [`Layout::n_lia`] also counts places in a row that no link takes.
+    /// LIAs by number; [`Counts::n_lia`](crate::op::layout::Counts::n_lia) also counts places in a row that no link takes.
     pub fn lias(&self) -> usize {
         self.symbols.lias().len()
-    }
-
-    /// Modules of one of its passes. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
-    /// two directions.
-    pub fn modules(&self, op: &Op<R>) -> usize {
-        if op.law.is_none() || op.form.stride == 0 {
-            return op.n;
-        }
-        // the links of a pass that integrates are listed behind those of the others, both directions of a mesh from one mass on
-        let fused = self.summed().len();
-        let runs = |i: usize| {
-            let listed = &self.forces[i];
-            if i < fused {
-                listed.first == op.first
-            } else {
-                listed.mat == op.mat && op.form.integrate != Integrate::No
-            }
-        };
-        self.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
     }
 
     /// The index into [`State::input`] of the port `name`.
@@ -220,31 +175,46 @@ impl<R: Real> Scene<R> {
     pub fn audited_name(&self, link: usize) -> Option<Cow<'static, str>> {
         let of = |a: &&Account<R>| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
-        Some(self.lia_name(account.op, link - account.first))
-    }
-
-    /// The links in the ledger, each with its number there: all at once, since one by one they are looked for anew.
-    pub fn audited_links(&self) -> impl Iterator<Item = (usize, Name)> + '_ {
-        let accounts = self.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
-        self.symbols.iter().skip(self.symbols.mats()).filter_map(|s| {
-            let Location::Lia(op, i) = s.location else { return None };
-            let of = accounts.iter().find(|a| a.op == op as usize)?;
-            Some((of.first + i as usize, s.name))
-        })
+        Some(lia_name(self, account.op, link - account.first))
     }
 
     /// The live parameters, to be played.
     pub fn controls(&self) -> Controls {
         Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample()))).over::<R>()
     }
-
-    /// Name of a link by op and position.
-    pub fn lia_name(&self, op: usize, i: usize) -> Cow<'static, str> {
-        self.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
-    }
 }
 
-/// A scene reads as its layout, with names added: `scene.n_mat`, `scene.sample_dt`.
+/// Name of a link of a scene by op and position.
+pub fn lia_name<R: Real>(scene: &Scene<R>, op: usize, i: usize) -> Cow<'static, str> {
+    scene.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
+}
+
+/// Modules of a pass of a scene. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
+/// two directions.
+pub fn modules<R: Real>(scene: &Scene<R>, op: &Op<R>) -> usize {
+    if op.law.is_none() || op.form.stride == 0 {
+        return op.n;
+    }
+    // the links of a pass that integrates are listed behind all other links, both directions of a mesh from one mass on
+    let fused = scene.passes.summed().len();
+    let runs = |i: usize| {
+        let listed = &scene.passes.forces[i];
+        if i < fused { listed.first == op.first } else { listed.mat == op.mat && op.form.integrate != Integrate::No }
+    };
+    scene.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
+}
+
+/// The links in the ledger of a scene, each with its number there: all at once, since one by one they are looked for anew.
+pub fn audited_links<R: Real>(scene: &Scene<R>) -> impl Iterator<Item = (usize, Name)> + '_ {
+    let accounts = scene.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
+    scene.symbols.iter().skip(scene.symbols.mats()).filter_map(|s| {
+        let Location::Lia(op, i) = s.location else { return None };
+        let of = accounts.iter().find(|a| a.op == op as usize)?;
+        Some((of.first + i as usize, s.name))
+    })
+}
+
+/// A scene reads as its layout, with names added: `scene.counts.n_mat`, `scene.rates.sample_dt`.
 impl<R: Real> core::ops::Deref for Scene<R> {
     type Target = Layout<R>;
     fn deref(&self) -> &Layout<R> {
@@ -254,6 +224,13 @@ impl<R: Real> core::ops::Deref for Scene<R> {
 
 impl<R: Real> core::fmt::Debug for Scene<R> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "Scene({} MAT, {} LIA, {} ops at {} Hz)", self.mats(), self.lias(), self.forces.len(), self.rate)
+        write!(
+            f,
+            "Scene({} MAT, {} LIA, {} ops at {} Hz)",
+            self.mats(),
+            self.lias(),
+            self.passes.forces.len(),
+            self.rate
+        )
     }
 }

@@ -3,77 +3,49 @@
 //! Decides that the derivatives of coefficients, places and lengths by a parameter of the model are had from outside, by
 //! differences between scenes that were compiled with other values of it (`ca-gradient`): the compiler computes smooth
 //! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
-//! runs, and has to be the same in all of them: [`Scene::structure`].
+//! runs, and has to be the same in all of them: [`structure`].
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
+use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 use crate::op::layout::{Layout, Termination};
-use crate::scene::Scene;
+use crate::scene::{Scene, identify};
 use crate::state::{Identity, State};
 
-impl<R: Real<Outer = R>> Scene<R> {
-    /// Calls `visit` for each number; in the same order for scenes of one [`Scene::structure`]. Not those of groups at the
-    /// gesture rate, and of device ports.
-    pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
-        layout(&mut self.layout, visit);
-        state(&mut self.initial, visit);
-        if let Some(before) = &mut self.before {
-            state(&mut before.state, visit);
-        }
+/// Calls `visit` for each number; in the same order for scenes of one [`structure`]. Groups at the gesture rate and device
+/// ports are left out.
+pub fn numbers<R: Real<Outer = R>>(scene: &mut Scene<R>, visit: &mut impl FnMut(&mut R)) {
+    layout(&mut scene.layout, visit);
+    state(&mut scene.initial, visit);
+    if let Some(before) = &mut scene.before {
+        state(&mut before.state, visit);
     }
+}
 
-    /// What all of a scene but its numbers is known by; these are 0 afterwards.
-    pub fn structure(&mut self) -> Identity {
-        self.numbers(&mut |v| *v = real(0.0));
-        Identity::of(&self.layout, [&self.reads, &self.forces, &self.writes, &self.moves], &self.initial)
-    }
+/// The identity of all of a scene but its numbers, which are 0 afterwards.
+pub fn structure<R: Real<Outer = R>>(scene: &mut Scene<R>) -> Identity {
+    numbers(scene, &mut |v| *v = R::ZERO);
+    identify(
+        &scene.layout,
+        [&scene.passes.reads, &scene.passes.forces, &scene.passes.writes, &scene.passes.moves],
+        &scene.initial,
+    )
 }
 
 fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mut R)) {
     // who adds an array to it is asked here what to do with it
     let Layout {
-        reach,
-        e0,
-        rest,
-        shares,
-        couplings,
+        links: LinkArrays { reach, e0, ends: _, onto: _, rows: _, pair_sets: _ },
+        places:
+            Places { rest, shares, couplings, nodes: _, moving_points: _, modal: _, solved_modal: _, modal_couplings: _ },
         tables,
-        enx,
+        ports: PortArrays { enx, driven, enf: _, tgr: _, crossing: _ },
         waves,
-        heard,
-        blockers,
-        lowpass,
+        out: OutputArrays { heard, blockers, lowpass, outputs: _, of_motion: _, output_rows: _ },
         implicit,
-        driven,
-        sample_dt: _,
-        ratio: _,
-        frame: _,
-        n_mat: _,
-        n_lia: _,
-        n_coef: _,
-        n_mem: _,
-        n_touch: _,
-        n_tap: _,
-        channels: _,
-        n_out: _,
-        ends: _,
-        onto: _,
-        rows: _,
-        pair_sets: _,
-        nodes: _,
-        moving_points: _,
-        modal: _,
-        solved_modal: _,
-        modal_couplings: _,
-        enf: _,
-        tgr: _,
-        crossing: _,
+        rates: Rates { sample_dt: _, ratio: _, frame: _, slow: _, substeps: _ },
+        counts: Counts { n_mat: _, n_lia: _, n_coef: _, n_mem: _, n_touch: _, n_tap: _, channels: _, n_out: _ },
         weighed: _,
-        outputs: _,
-        of_motion: _,
-        output_rows: _,
         ledger: _,
-        slow: _,
-        substeps: _,
         vectors: _,
     } = layout;
     reach.as_flattened_mut().iter_mut().for_each(&mut *visit);
@@ -112,11 +84,11 @@ fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mu
 /// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative. Forces at load are those that the
 /// start of mi.lib leaves to the first tick, which the ledger knows too.
 fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
-    for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.lengths] {
+    for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.links.lengths] {
         all.iter_mut().for_each(&mut *visit);
     }
-    s.mem.iter_mut().for_each(&mut *visit);
-    s.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
+    s.links.mem.iter_mut().for_each(&mut *visit);
+    s.links.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
     s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
-    s.output.fill(real(0.0));
+    s.output.fill(R::Outer::ZERO);
 }

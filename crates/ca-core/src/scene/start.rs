@@ -1,6 +1,6 @@
 //! Start: the state at load.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::links::measure;
 use crate::op::{Op, Pass, pass};
@@ -40,31 +40,31 @@ pub fn start<R: Real>(
     Start { order, sticks }: Start,
     mut s: State<R>,
 ) -> State<R> {
-    let n = layout.n_mat;
+    let n = layout.counts.n_mat;
     let exact = order == Order::Exact;
     let memory = |s: &mut State<R>| {
         for op in forces {
             let Some((law, fns)) = op.law.zip(op.fns).filter(|(l, _)| l.mem > 0) else { continue };
             for i in 0..op.n {
                 // of what began as sliding the ends are taken to move
-                let (mut e, mut w) = (layout.e0[op.first + i], real(if sticks { 0.0 } else { 1.0 }));
+                let (mut e, mut w) = (layout.links.e0[op.first + i], R::of(if sticks { 0.0 } else { 1.0 }));
                 for (measure, ends, reach) in measure::ports(layout, &op.ports, op.first, i) {
                     let measured = measure::measure(measure, &s.x, &s.d, ends, &reach);
                     (e, w) = (e + measured.e, w + measured.w);
                 }
                 let c: Vec<R> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
-                (fns.start)(&c, [e, w], &mut s.mem[op.mem + i * law.mem..][..law.mem]);
+                (fns.start)(&c, [e, w], &mut s.links.mem[op.mem + i * law.mem..][..law.mem]);
             }
         }
     };
-    for (k, p) in layout.moving_points.iter().enumerate() {
-        s.cells[k] = pass::cell(layout, &s, p);
+    for (k, p) in layout.places.moving_points.iter().enumerate() {
+        s.links.cells[k] = pass::cell(layout, &s, p);
     }
-    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.modal.len()), layout, &mut s);
-    let project = Op::new(Pass::Points, pass::project, layout.moving_points.len());
+    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.places.modal.len()), layout, &mut s);
+    let project = Op::new(Pass::Points, pass::project, layout.places.moving_points.len());
     pass::project(&project, layout, &mut s);
     memory(&mut s);
-    let counts = |op: &&Op<R>| !exact && !matches!(op.name, "TGR out" | "ledger of the border" | "TGR mute" | "ENF");
+    let counts = |op: &&Op<R>| !exact && !matches!(op.name(), "TGR out" | "ledger of the border" | "TGR mute" | "ENF");
     // the change of motion that a tick makes of a state
     let change = |s: &State<R>| -> Vec<R> {
         let mut trial = s.clone();
@@ -83,23 +83,23 @@ pub fn start<R: Real>(
             let mut at = s.clone();
             for (x, d) in at.x.iter_mut().zip(&mut at.d) {
                 *x += share * *d;
-                *d = real(0.0);
+                *d = R::ZERO;
             }
             change(&at)
         });
         ahead.into_iter().zip(behind).map(|(a, b)| (a - b) / R::of(6.0)).collect::<Vec<R>>()
     });
     let second = change(&s);
-    let moved = |i: usize| layout.enx.iter().any(|p| p.implicit && p.mat as usize == i);
+    let moved = |i: usize| layout.ports.enx.iter().any(|p| p.implicit && p.mat as usize == i);
     for i in 0..n {
         if s.coef[2 * n + i] == R::ZERO {
-            s.d[i] = if moved(i) { s.d[i] } else { real(0.0) };
+            s.d[i] = if moved(i) { s.d[i] } else { R::ZERO };
         } else if !exact {
             s.d[i] -= R::of(0.5) * second[i];
-            s.d[i] += more.as_ref().map_or(real(0.0), |m| m[i]);
+            s.d[i] += more.as_ref().map_or(R::ZERO, |m| m[i]);
         }
     }
-    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.modal.len()), layout, &mut s);
+    pass::sum(&Op::new(Pass::ModalPorts, pass::sum, layout.places.modal.len()), layout, &mut s);
     pass::project(&project, layout, &mut s);
     s
 }

@@ -27,7 +27,7 @@ pub struct Symbol {
 pub enum Location {
     /// a MAT: index into [`State::x`](crate::State::x), the first of three where it has more than one axis
     Mat(u32),
-    /// a LIA: op number in [`Scene::forces`](super::Scene::forces) and position in it
+    /// a LIA: op number in [`Passes::forces`](super::Passes::forces) and position in it
     Lia(u32, u32),
 }
 
@@ -53,32 +53,6 @@ pub struct Symbols {
 }
 
 impl Symbols {
-    /// Room for so many MATs and LIAs.
-    pub fn with_capacity(mats: usize, lias: usize) -> Symbols {
-        Symbols { runs: Vec::new(), mats: Vec::with_capacity(mats), lias: Vec::with_capacity(lias) }
-    }
-
-    /// Adds a module; all MATs come before the first LIA.
-    pub fn push(&mut self, name: &Name, code: &'static str, axes: u8, location: Location) {
-        let first = self.len() as u32;
-        let joins = self.runs.last().is_some_and(|r| {
-            let n = first - r.first;
-            (r.code, r.axes) == (code, axes) && r.name.continues(n, name)
-        });
-        if !joins {
-            self.runs.push(Run { name: name.clone(), code, axes, first });
-        }
-        match location {
-            Location::Mat(at) => self.mats.push(at),
-            Location::Lia(op, i) => self.lias.push([op, i]),
-        }
-    }
-
-    /// Gives back the room that nothing takes.
-    pub fn shrink_to_fit(&mut self) {
-        self.runs.shrink_to_fit();
-    }
-
     /// How many there are.
     pub fn len(&self) -> usize {
         self.mats.len() + self.lias.len()
@@ -104,11 +78,6 @@ impl Symbols {
         &self.lias
     }
 
-    /// Puts the LIAs of each pass where the pass now stands in the list.
-    pub fn renumber(&mut self, place: &[u32]) {
-        self.lias.iter_mut().for_each(|[op, _]| *op = place[*op as usize]);
-    }
-
     fn run(&self, i: usize) -> Option<&Run> {
         self.runs.get(self.runs.partition_point(|r| r.first as usize <= i).checked_sub(1)?)
     }
@@ -129,7 +98,7 @@ impl Symbols {
     }
 
     /// The name of the MAT at a place of the state.
-    pub fn mat(&self, place: usize) -> Option<Name> {
+    pub(crate) fn mat(&self, place: usize) -> Option<Name> {
         let here = |(i, at): (usize, &u32)| {
             let slots = |axes| if axes > 1 { 3 } else { 1 };
             let at = *at as usize;
@@ -140,7 +109,7 @@ impl Symbols {
     }
 
     /// The name of link `i` of a pass.
-    pub fn lia(&self, op: usize, i: usize) -> Option<Name> {
+    pub(crate) fn lia(&self, op: usize, i: usize) -> Option<Name> {
         let at = self.lias.iter().position(|l| *l == [op as u32, i as u32])?;
         self.get(self.mats.len() + at).map(|s| s.name)
     }
@@ -151,5 +120,43 @@ impl<'a> IntoIterator for &'a Symbols {
     type IntoIter = alloc::boxed::Box<dyn Iterator<Item = Symbol> + 'a>;
     fn into_iter(self) -> Self::IntoIter {
         alloc::boxed::Box::new(self.iter())
+    }
+}
+
+/// The symbols of a scene that is being compiled.
+pub struct SymbolsBuilder(Symbols);
+
+impl SymbolsBuilder {
+    /// Room for this number of MATs and LIAs.
+    pub fn with_capacity(mats: usize, lias: usize) -> SymbolsBuilder {
+        SymbolsBuilder(Symbols { runs: Vec::new(), mats: Vec::with_capacity(mats), lias: Vec::with_capacity(lias) })
+    }
+
+    /// Adds a module; all MATs come before the first LIA.
+    pub fn push(&mut self, name: &Name, code: &'static str, axes: u8, location: Location) {
+        let all = &mut self.0;
+        let first = all.len() as u32;
+        let joins = all.runs.last().is_some_and(|r| {
+            let n = first - r.first;
+            (r.code, r.axes) == (code, axes) && r.name.continues(n, name)
+        });
+        if !joins {
+            all.runs.push(Run { name: name.clone(), code, axes, first });
+        }
+        match location {
+            Location::Mat(at) => all.mats.push(at),
+            Location::Lia(op, i) => all.lias.push([op, i]),
+        }
+    }
+
+    /// Puts the LIAs of each pass where the pass now stands in the list.
+    pub fn renumber(&mut self, place: &[u32]) {
+        self.0.lias.iter_mut().for_each(|[op, _]| *op = place[*op as usize]);
+    }
+
+    /// The symbols, without the room that nothing takes.
+    pub fn build(mut self) -> Symbols {
+        self.0.runs.shrink_to_fit();
+        self.0
     }
 }

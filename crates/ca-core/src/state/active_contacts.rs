@@ -4,7 +4,7 @@
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use alloc::vec::Vec;
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
@@ -66,7 +66,7 @@ impl<R: Real> ActiveContacts<R> {
         ActiveContacts {
             n: 0,
             list: alloc::vec![ActiveContact::default(); contacts],
-            push: alloc::vec![real(0.0); places],
+            push: alloc::vec![R::ZERO; places],
         }
     }
 }

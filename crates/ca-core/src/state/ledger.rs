@@ -3,7 +3,7 @@
 //! Accounts are [`Real::Outer`]: `f64` in both precisions, and with derivatives over dual numbers, whose [`Ledger::balance`] so
 //! has those of each sum (docs/numerics.md §9). `peak`, `received` and `worst`, and the energy that a hand gives, are `f64`.
 
-use crate::numeric::{Real, real, wide};
+use crate::numeric::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -25,8 +25,29 @@ pub struct Room<R: Real = f64> {
 
 impl<R: Real> Default for Room<R> {
     fn default() -> Room<R> {
-        Room { e: [[real(0.0); BLOCK]; 3], moved: [real(0.0); BLOCK], out: [[real(0.0); BLOCK]; 2] }
+        Room { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
     }
+}
+
+/// The largest of each so far \[J\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
+    pub peak: f64,
+    /// largest so far of h, or of its part in motion, + Σlost, less the energy made by the scheme until then: the most that load,
+    /// ports, changes and weight had given
+    pub received: f64,
+    /// largest imbalance of a single tick
+    pub worst: f64,
+}
+
+/// The account of groups at the gesture rate \[J\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GroupAccount<R: Real = f64> {
+    /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
+    pub border: R::Outer,
+    /// what these groups hold and lose by a ledger of their own, up to the last frame
+    pub slow: Balance<R>,
 }
 
 /// The accounts \[J\]. `h = h0 + work − lost + scheme_error + changed + residual`.
@@ -38,11 +59,8 @@ pub struct Ledger<R: Real = f64> {
     pub h: R::Outer,
     /// its part in motion
     pub kinetic: R::Outer,
-    /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
-    pub peak: f64,
-    /// largest so far of h, or of its part in motion, + Σlost, less the energy made by the scheme until then: the most that load,
-    /// ports, changes and weight had given
-    pub received: f64,
+    /// the largest of each so far
+    pub extremes: Extremes,
     /// heat of MATs with dampers of their own, and of the ends of waveguides
     pub lost_mats: R::Outer,
     /// heat of each link (n_lia)
@@ -53,20 +71,16 @@ pub struct Ledger<R: Real = f64> {
     pub work: Vec<R::Outer>,
     /// work received from a pointer that pulls, see [`crate::pointer`]
     pub pointer: R::Outer,
+    /// groups at the gesture rate
+    pub groups: GroupAccount<R>,
     /// work received from groups at the gesture rate
     pub(crate) crossed: R::Outer,
-    /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
-    pub border: R::Outer,
-    /// what these groups hold and lose by a ledger of their own, up to the last frame
-    pub slow: Balance<R>,
     /// that of the tick which the ledger has not entered yet
     pub(crate) pulled: R::Outer,
     /// what crossed each device port (tgr), counted by frames
     pub hands: Vec<Exchange>,
     /// energy that came in by changing parameters or moving interaction points
     pub changed: R::Outer,
-    /// largest imbalance of a single tick
-    pub worst: f64,
     /// d of the tick that the ledger is at (n_mat)
     pub(crate) d0: Vec<R>,
     /// magnitude of the heat of each tick so far, kept apart so that no tick sums over all links again
@@ -94,7 +108,12 @@ pub struct Ledger<R: Real = f64> {
     /// numbers in passing
     pub(crate) room: Box<Room<R>>,
     /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
-    pub kick: Vec<R>,
+    pub(crate) kick: Vec<R>,
+}
+
+/// Gives a ledger the force \[N\] that only the first tick has (n_mat).
+pub fn set_kick<R: Real>(ledger: &mut Ledger<R>, kick: Vec<R>) {
+    ledger.kick = kick;
 }
 
 /// What crossed the border at one device port, whole frames only \[J\].
@@ -141,7 +160,7 @@ pub struct Balance<R: Real = f64> {
     pub residual: R::Outer,
     /// scale of the residual \[J\]
     pub peak: f64,
-    /// most energy received, see [`Ledger::received`] \[J\]
+    /// most energy received, see [`Extremes::received`] \[J\]
     pub received: f64,
 }
 
@@ -152,29 +171,29 @@ impl<R: Real> Ledger<R> {
             (self.lost_mats + self.lost.iter().sum::<R::Outer>(), self.scheme_error.iter().sum::<R::Outer>());
         let work = self.work.iter().sum::<R::Outer>() + self.pointer;
         let residual = self.h - self.h0 - work - self.crossed + lost - scheme_error - self.changed;
-        let slow = &self.slow;
+        let slow = &self.groups.slow;
         Balance {
             h0: self.h0 + slow.h0,
             h: self.h + slow.h + self.under_way(),
             lost: lost + slow.lost,
-            scheme_error: scheme_error + self.border + slow.scheme_error,
+            scheme_error: scheme_error + self.groups.border + slow.scheme_error,
             work,
             changed: self.changed + slow.changed,
             residual: residual + slow.residual,
-            peak: self.peak + slow.peak,
-            received: self.received + slow.received,
+            peak: self.extremes.peak + slow.peak,
+            received: self.extremes.received + slow.received,
         }
     }
 
     /// What one side of the border of groups at the gesture rate gave and the other has not entered yet \[J\], a part of the energy
     /// now: when a frame is entered, what the links across do in half a tick.
     pub fn under_way(&self) -> R::Outer {
-        self.border - (self.crossed + self.slow.work)
+        self.groups.border - (self.crossed + self.groups.slow.work)
     }
 
     /// The link that made the most energy, with its account; `None` where none made any.
     pub fn largest_error(&self) -> Option<(usize, f64)> {
-        let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| wide(*a.1).total_cmp(&wide(*b.1)))?;
-        (wide(*s) > 0.0).then_some((i, wide(*s)))
+        let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| a.1.wide().total_cmp(&b.1.wide()))?;
+        (s.wide() > 0.0).then_some((i, s.wide()))
     }
 }

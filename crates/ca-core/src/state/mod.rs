@@ -6,16 +6,18 @@
 
 pub(crate) mod active_contacts;
 pub(crate) mod ledger;
+mod parts;
 mod snapshot;
 
 use crate::numeric::words::word;
-use crate::numeric::{Aligned, Real, VerletList, real, wide};
+use crate::numeric::{Aligned, Real};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::hash::Hasher;
-pub use ledger::{Balance, Exchange, Ledger};
+pub use ledger::{Balance, Exchange, Extremes, GroupAccount, Ledger, set_kick};
+pub use parts::{LinkState, PortState};
 pub use snapshot::{NotRestored, SNAPSHOT_VERSION, checksum};
 
 /// Nodes and weights under a moving point.
@@ -120,8 +122,8 @@ impl<R: Real> Ramps<R> {
         Ramps {
             index,
             left: alloc::vec![0; n],
-            step: alloc::vec![real(0.0); n],
-            target: alloc::vec![real(0.0); n],
+            step: alloc::vec![R::ZERO; n],
+            target: alloc::vec![R::ZERO; n],
             active: alloc::vec![0; n],
             moving: 0,
             whole,
@@ -160,7 +162,7 @@ impl Fold {
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Identity(pub(crate) u64);
 
-/// A length that nobody keeps yet, in [`State::lengths`].
+/// A length that is not kept yet, in [`LinkState::lengths`].
 pub const UNKNOWN: f64 = -1.0;
 
 /// All that changes, as [`Scene::state`](crate::Scene::state) makes it. Shapes in brackets; the writer of each array is
@@ -169,7 +171,7 @@ pub const UNKNOWN: f64 = -1.0;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State<R: Real = f64> {
     /// the scene it belongs to; written at load
-    pub scene: Identity,
+    pub(crate) scene: Identity,
     /// displacement from rest \[m\] (n_mat); written by `moves`, ports by `reads`
     pub x: Aligned<R>,
     /// x_n − x_{n−1} \[m/tick\] (n_mat); written with `x`
@@ -179,62 +181,55 @@ pub struct State<R: Real = f64> {
     /// coefficients (n_coef): P, Q and C of the MATs, then those of weights, links, points and outputs;
     /// written at load and by changes
     pub coef: Aligned<R>,
-    /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
-    pub mem: Vec<R>,
-    /// distances of points in space one tick before, of ports that are measured in every tick \[m\], as
-    /// [`Layout::reach`](crate::op::layout::Layout::reach); −1 where none is known, and motion has to say it; written by `forces`
-    pub lengths: Aligned<R>,
-    /// forces of links that are heard, audited or in passing \[N\] (n_tap); written by `forces`
-    pub tap: Aligned<R>,
     /// what the ports are given, absolute \[m\] or \[N\]; written by the caller before a tick (devices: before a frame)
     pub input: Vec<f64>,
-    /// the last good value of each input (inputs); written by `reads`
-    pub last_input: Vec<f64>,
     /// what is heard (n_out); written by `writes`
     pub output: Vec<R::Outer>,
-    /// cells of the moving points (moving_points); written by `aim`
-    pub cells: Vec<Cell<R>>,
-    /// which members of sets are near (pair sets); written by `forces`, and no part of what decides the future
-    pub near: Vec<VerletList>,
+    /// what links keep
+    pub links: LinkState<R>,
+    /// what ports and outputs keep
+    pub ports: PortState<R>,
     /// groups at the gesture rate; boxed, since a pass takes it out for the time it writes it
     pub slow: Option<Box<SlowState<R>>>,
-    /// device ports (tgr); written by the border
-    pub border: Vec<Border>,
-    /// positions of devices that are under way, absolute \[m\] (tgr x latency), a ring each; written by the border
-    pub late: Vec<f64>,
-    /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
-    pub blocked: Vec<[R; 2]>,
-    /// inputs that are given once a sample, where that has several ticks: the last and the present value (inputs);
-    /// written by `reads`
-    pub glide: Vec<[f64; 2]>,
-    /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
-    pub lowpass: Vec<R>,
-    /// in passing, of implicit links: changes of motion \[m/tick²\] (places), then what MATs add to them by
-    /// themselves \[N\] (places); written by `forces`
-    pub implicit: Vec<R>,
-    /// contacts that are solved together; empty between ticks, written by `forces`
-    pub touches: ActiveContacts<R>,
     /// coefficients on their way to a new value
     pub ramps: Ramps<R>,
     /// indices into `x` and `d`, and into `coef`, in the order of the document, where rows stand otherwise; else empty;
     /// written at load
-    pub written: [Arc<[u32]>; 2],
+    pub(crate) written: [Arc<[u32]>; 2],
     /// energy ledger, where the scene keeps one; boxed, since a pass takes it out for the time it writes it
     pub ledger: Option<Box<Ledger<R>>>,
     /// samples done, which are ticks where a sample has one; while passes run, ticks in any case
     pub tick: u64,
-    /// inputs that were not finite and were held or zeroed instead
-    pub refused: u64,
+}
+
+/// A state without numbers, for the compiler to fill.
+pub fn empty<R: Real>() -> State<R> {
+    State::default()
+}
+
+/// The scene of a state.
+pub fn scene_of<R: Real>(state: &State<R>) -> Identity {
+    state.scene
+}
+
+/// Gives a state to a scene.
+pub fn give_to<R: Real>(state: &mut State<R>, scene: Identity) {
+    state.scene = scene;
+}
+
+/// Says where the places and the coefficients of the document stand: indices into `x` and `d`, and into `coef`; none where they
+/// stand in its order.
+pub fn set_order<R: Real>(state: &mut State<R>, order: [Arc<[u32]>; 2]) {
+    state.written = order;
+}
+
+/// The number of places of masses and the number of coefficients in a state, without what fills up rows.
+pub fn shape<R: Real>(state: &State<R>) -> [usize; 2] {
+    let [slots, coefs] = &state.written;
+    [(slots, &state.x), (coefs, &state.coef)].map(|(order, all)| if order.is_empty() { all.len() } else { order.len() })
 }
 
 impl<R: Real> State<R> {
-    /// How many numbers say where masses are, and how many are coefficients: those of the document, wherever rows stand.
-    pub fn shape(&self) -> [usize; 2] {
-        let [slots, coefs] = &self.written;
-        [(slots, &self.x), (coefs, &self.coef)]
-            .map(|(order, all)| if order.is_empty() { all.len() } else { order.len() })
-    }
-
     /// A hash of everything that decides the future: FNV-1a over the bits of positions, motions, coefficients, memory,
     /// border, inputs under way, filters of the outputs and tick. Equal states have equal hashes on every machine, wherever
     /// rows stand.
@@ -242,27 +237,27 @@ impl<R: Real> State<R> {
         let mut h = fnv::FnvHasher::default();
         let [slots, coefs] = &self.written;
         for (all, order) in [(&self.x, slots), (&self.d, slots), (&self.coef, coefs)] {
-            let mut each = |v: &R| word(&mut h, wide(*v).to_bits());
+            let mut each = |v: &R| word(&mut h, v.wide().to_bits());
             if order.is_empty() {
                 all.iter().for_each(&mut each);
             } else {
                 order.iter().for_each(|i| each(&all[*i as usize]));
             }
         }
-        let flat = self.mem.iter().map(|v| wide(*v));
-        let filters = self.lowpass.iter().chain(self.blocked.iter().flatten()).map(|v| wide(*v));
+        let flat = self.links.mem.iter().map(|v| v.wide());
+        let filters = self.ports.lowpass.iter().chain(self.ports.blocked.iter().flatten()).map(|v| v.wide());
         // those that are not known decide nothing
-        let lengths = self.lengths.iter().filter(|l| **l != R::of(UNKNOWN)).map(|l| wide(*l));
+        let lengths = self.links.lengths.iter().filter(|l| **l != R::of(UNKNOWN)).map(|l| l.wide());
         for v in flat
-            .chain(self.late.iter().copied())
+            .chain(self.ports.late.iter().copied())
             .chain(filters)
-            .chain(self.glide.iter().flatten().copied())
+            .chain(self.ports.glide.iter().flatten().copied())
             .chain(lengths)
         {
             word(&mut h, v.to_bits());
         }
 
-        for b in &self.border {
+        for b in &self.ports.border {
             for v in [b.from, b.to, b.sum] {
                 word(&mut h, v.to_bits());
             }
@@ -280,20 +275,14 @@ impl<R: Real> State<R> {
     /// Places or motion were written from outside: what distances were one tick before follows from these again, and not from
     /// where points were then, which would be a blow.
     pub fn placed(&mut self) {
-        self.lengths.fill(R::of(UNKNOWN));
+        self.links.lengths.fill(R::of(UNKNOWN));
     }
 
     /// True while every position and motion is finite and below `limit` \[m\].
     pub fn is_bounded(&self, limit: f64) -> bool {
         // a look at each number by itself takes as long as a tick; a block at a time is a loop of vectors
-        let within = |block: &[R]| block.iter().fold(true, |all, v| all & (wide(v.abs()) < limit));
+        let within = |block: &[R]| block.iter().fold(true, |all, v| all & (v.abs().wide() < limit));
         self.x.chunks(64).chain(self.d.chunks(64)).all(within)
-    }
-
-    /// The MAT with the largest displacement, or the first that is not finite.
-    pub fn furthest(&self) -> usize {
-        let size = |i: &usize| if self.x[*i].is_nan() { f64::INFINITY } else { wide(self.x[*i].abs()) };
-        (0..self.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
     }
 
     /// The value of a position input; one that is not finite is replaced by the last good one, and counted.
@@ -301,10 +290,10 @@ impl<R: Real> State<R> {
         let i = input as usize;
         let v = self.input[i];
         if v.is_finite() {
-            self.last_input[i] = v;
+            self.ports.last_input[i] = v;
         } else {
-            self.refused += 1;
+            self.ports.refused += 1;
         }
-        self.last_input[i]
+        self.ports.last_input[i]
     }
 }

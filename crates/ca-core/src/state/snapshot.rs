@@ -9,6 +9,8 @@
 //! passing.
 
 use super::{Balance, Between, Border, Cell, Exchange, Ledger, Ramps, SlowState, State, Unknown};
+use crate::state::ledger::{Extremes, GroupAccount};
+use crate::state::{LinkState, PortState};
 use alloc::vec::Vec;
 use core::fmt;
 use core::hash::Hasher as _;
@@ -107,7 +109,7 @@ impl State {
     /// True where every place that a tick looks up is one of this state.
     fn is_valid(&self) -> bool {
         let places = self.x.len();
-        let cells = self.cells.iter().all(|c| c.n <= 4 && c.node.iter().all(|m| (*m as usize) < places.max(1)));
+        let cells = self.links.cells.iter().all(|c| c.n <= 4 && c.node.iter().all(|m| (*m as usize) < places.max(1)));
         // centuries, and far from where counting would end
         let time = self.tick < 1 << 56;
         time && cells && self.ramps.is_valid() && self.slow.as_ref().is_none_or(|slow| slow.state.is_valid())
@@ -121,27 +123,15 @@ impl State {
             d,
             f,
             coef,
-            mem,
-            lengths,
-            tap,
+            links: LinkState { mem, lengths, tap, cells, near: _, implicit: _, touches: _ },
             input,
-            last_input,
+            ports: PortState { last_input, border, late, blocked, glide, lowpass, refused },
             output,
-            cells,
-            near: _,
             slow,
-            border,
-            late,
-            blocked,
-            glide,
-            lowpass,
-            implicit: _,
-            touches: _,
             ramps,
             written: _,
             ledger,
             tick,
-            refused,
         } = self;
         for all in [x, d, f, coef, lengths, tap] {
             w.doubles(all);
@@ -219,20 +209,17 @@ impl Ledger {
             h0,
             h,
             kinetic,
-            peak,
-            received,
+            extremes: Extremes { peak, received, worst },
             lost_mats,
             lost,
             scheme_error,
             work,
             pointer,
             crossed,
-            border,
-            slow,
+            groups: GroupAccount { border, slow },
             pulled,
             hands,
             changed,
-            worst,
             d0,
             heat,
             net_heat,

@@ -2,9 +2,8 @@
 //! contact is silent where it says so, and a cheaper law is the same law.
 
 use crate::numbers;
-use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::numeric::Table;
-use ca_core::op::{Law, ParamBinding, SolveStage};
+use ca_core::internal::op::{SolveStage, family, loaded, started};
+use ca_core::{Kind, Law, Need, ParamBinding, Role, Table, Type};
 
 const DT: f64 = 1.0 / 48_000.0;
 
@@ -18,7 +17,7 @@ fn tables(law: &Law) -> Vec<Table> {
 
 /// Parameters of a kind as somebody might write them, drawn for what is a plain number.
 fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
-    let one = |p: &ca_core::kind::Param, v: f64| match p.ty {
+    let one = |p: &ca_core::Param, v: f64| match p.ty {
         Type::Number { min, max, .. } => Some((0.1 + v).clamp(min, max.min(1e3))),
         Type::PowerStiffness { .. } => Some(10.0 + 100.0 * v),
         Type::Points { .. } => Some(0.0),
@@ -45,14 +44,14 @@ fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
 fn each(mut visit: impl FnMut(&Kind, &'static Law, &[Option<f64>], &[f64], &[Table])) {
     let mut next = numbers(7);
     let mut met = 0;
-    for kind in ca_core::phi::KINDS {
+    for kind in ca_core::internal::phi::KINDS {
         let Role::Lia(law) = kind.role else { continue };
         let tables = tables(law);
         for _ in 0..20 {
             let mut values = drawn(kind, &mut next);
             // a table of the law's own is handed over after the last parameter
             values.extend(law.table.map(|_| Some(1.0)));
-            let c = law.loaded(&values, DT);
+            let c = loaded(law, &values, DT);
             assert!(c.iter().all(|c| c.is_finite() || c.is_nan()), "{}: {c:?}", kind.code);
             visit(kind, law, &values, &c, &tables);
         }
@@ -88,7 +87,7 @@ fn what_hangs_on_motion_only_resists() {
     each(|kind, law, _, c, tables| {
         for (i, w) in (-20..20).flat_map(|i| [-1e-4, -1e-6, 1e-6, 1e-4].map(|w| (i, w))) {
             let e = 0.021 * f64::from(i) + 0.0037;
-            let mut mem = law.started(c, e);
+            let mut mem = started(law, c, e);
             let still = (law.fns.force)(c, &mut mem.clone(), tables, e, 0.0);
             let moving = (law.fns.force)(c, &mut mem, tables, e, w);
             // F > 0 pulls together, and w > 0 goes apart
@@ -119,7 +118,7 @@ fn a_contact_is_silent_where_it_says_so() {
 #[test]
 fn slopes_are_within_the_bound() {
     each(|kind, law, _, c, tables| {
-        let b = (law.bound)(c, tables);
+        let b = (law.at_load.bound)(c, tables);
         if b.hardens || law.mem > 0 {
             return;
         }
@@ -148,12 +147,12 @@ fn a_cheaper_law_is_the_same_law() {
             values[k] = Some(0.0);
             let fixed: Vec<ParamBinding> =
                 values.iter().map(|v| v.map_or(ParamBinding::Absent, ParamBinding::At)).collect();
-            let Some(simple) = (law.simpler)(&fixed) else { continue };
-            let (c, s) = (law.loaded(&values, DT), simple.loaded(&values, DT));
+            let Some(simple) = (law.cheaper.simpler)(&fixed) else { continue };
+            let (c, s) = (loaded(law, &values, DT), loaded(simple, &values, DT));
             for i in -10..10 {
                 let (e, w) = (0.02 * f64::from(i) + 0.003, 1e-5 * f64::from(i % 3));
-                let was = (law.fns.force)(&c, &mut law.started(&c, e), tables, e, w);
-                let is = (simple.fns.force)(&s, &mut simple.started(&s, e), tables, e, w);
+                let was = (law.fns.force)(&c, &mut started(law, &c, e), tables, e, w);
+                let is = (simple.fns.force)(&s, &mut started(simple, &s, e), tables, e, w);
                 assert!((was - is).abs() <= 1e-12 * was.abs(), "{} as {}: {was} and {is}", kind.code, simple.code);
             }
             cheaper += 1;
@@ -166,20 +165,20 @@ fn a_cheaper_law_is_the_same_law() {
 /// and their force equals the force of the law.
 #[test]
 fn functions_of_every_law_are_found_by_its_code() {
-    let laws = ca_core::phi::laws::<f64>();
+    let laws = ca_core::internal::phi::laws::<f64>();
     let mut met = std::collections::BTreeSet::new();
     let mut check = |law: &Law| {
         let fns = laws.get(law).unwrap_or_else(|| panic!("no functions of `{}`", law.code));
         let c = vec![0.25; law.coefs];
-        let force = |f: ca_core::law::Force| f(&c, &mut vec![0.0; law.mem], &[], -0.125, 0.5).to_bits();
+        let force = |f: ca_core::internal::law::Force| f(&c, &mut vec![0.0; law.mem], &[], -0.125, 0.5).to_bits();
         assert_eq!(force(fns.force), force(law.fns.force), "{}", law.code);
         met.insert(law.code);
     };
-    for kind in ca_core::phi::KINDS {
+    for kind in ca_core::internal::phi::KINDS {
         let Role::Lia(law) = kind.role else { continue };
         for (a, b) in (0..16).map(|i| (i / 4, i % 4)) {
             let mut words = [a, b].into_iter().cycle();
-            let choice = |p: &ca_core::kind::Param| match p.ty {
+            let choice = |p: &ca_core::Param| match p.ty {
                 Type::Choice(w) if p.name == "curve" || p.name == "method" => {
                     ParamBinding::At(f64::from(words.next().unwrap_or(0).min(w.len() as u32 - 1)))
                 }
@@ -188,14 +187,14 @@ fn functions_of_every_law_are_found_by_its_code() {
                 _ => ParamBinding::Absent,
             };
             let p: Vec<ParamBinding> = kind.params.iter().map(choice).collect();
-            let family = law.family();
+            let family = family(law);
             let mut check = |law: &'static Law| {
                 assert!(family.iter().any(|known| core::ptr::eq(*known, law)), "{} of {}", law.code, kind.code);
                 check(law);
             };
             let mut law = law;
             check(law);
-            while let Some(simpler) = (law.simpler)(&p) {
+            while let Some(simpler) = (law.cheaper.simpler)(&p) {
                 law = simpler;
                 check(law);
             }
@@ -205,6 +204,6 @@ fn functions_of_every_law_are_found_by_its_code() {
             }
         }
     }
-    check(&ca_core::phi::implicit::LAW);
+    check(&ca_core::internal::phi::implicit::LAW);
     assert!(met.len() > 30, "{met:?}");
 }

@@ -1,9 +1,10 @@
 //! Parts that stand alone: the factor of implicit links, the Verlet list, tables, tuning.
 
 use crate::numbers;
-use ca_core::numeric::ldl::Pattern;
-use ca_core::numeric::{Table, VerletList};
-use ca_core::tuning::{Method, Scheme, retune};
+use ca_core::Table;
+use ca_core::internal::numeric::VerletList;
+use ca_core::internal::numeric::ldl::Pattern;
+use ca_core::internal::tuning::{Method, Scheme, retune};
 use std::collections::BTreeSet;
 
 #[test]

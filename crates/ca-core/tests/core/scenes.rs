@@ -2,14 +2,13 @@
 
 use crate::numbers;
 use ca_core::equivalence::{Equivalence, Gains};
-use ca_core::kind::Role;
-use ca_core::live::LivePlan;
-use ca_core::numeric::Aligned;
-use ca_core::op::layout::{Enf, Enx, Layout, Output, Tap};
-use ca_core::op::{Form, Law, Op, Pass};
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::{Input, InputRole, Symbols};
-use ca_core::{Scene, State, integrate, process, tick};
+use ca_core::internal::live::LivePlan;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::{Counts, Enf, Enx, Layout, Output, Places, Rates, Tap};
+use ca_core::internal::op::{Form, Op, Pass};
+use ca_core::internal::scene::{About, InHand, OutputNames, Passes};
+use ca_core::internal::state::empty;
+use ca_core::{Certificate, Input, InputRole, Law, Role, Scene, State, Symbols, integrate, process, tick};
 
 const RATE: f64 = 48_000.0;
 
@@ -27,11 +26,16 @@ impl Row {
     /// `n` MATs of these coefficients P, Q and C, at rest.
     fn new(mats: &[[f64; 3]]) -> Row {
         let n = mats.len();
-        let layout =
-            Layout { sample_dt: 1.0 / RATE, ratio: 1, frame: 1, n_mat: n, rest: vec![0.0; n], ..Layout::default() };
+        let layout = Layout {
+            rates: Rates { sample_dt: 1.0 / RATE, ratio: 1, frame: 1, ..Rates::default() },
+            counts: Counts { n_mat: n, ..Counts::default() },
+            places: Places { rest: vec![0.0; n], ..Places::default() },
+            ..Layout::default()
+        };
         let coef = (0..3).flat_map(|k| mats.iter().map(move |m| m[k])).collect();
         let zeros = || Aligned::zeros(n);
-        let state = State { x: zeros(), d: zeros(), f: zeros(), coef, ..State::default() };
+        let mut state = empty();
+        (state.x, state.d, state.f, state.coef) = (zeros(), zeros(), zeros(), coef);
         let own = Op::pass(Pass::IntegrateFull, n);
         let moves = vec![own, Op::pass(Pass::Flush, n)];
         Row { layout, state, reads: Vec::new(), forces: Vec::new(), moves, inputs: Vec::new() }
@@ -42,11 +46,11 @@ impl Row {
         let (n, l) = (coefs.len(), &mut self.layout);
         let form = Form { stride: usize::from(row), ..Form::default() };
         let mut op = Op { coef: self.state.coef.len(), ..Op::links(law, law.fns, form, n) };
-        op.first = l.ends.len();
-        l.ends.extend((0..n as u32).map(|i| [i, i + 1]));
-        l.n_lia += n;
+        op.first = l.links.ends.len();
+        l.links.ends.extend((0..n as u32).map(|i| [i, i + 1]));
+        l.counts.n_lia += n;
         self.more((0..law.coefs).flat_map(|k| coefs.iter().map(move |c| c[k])));
-        self.state.tap = Aligned::zeros(n);
+        self.state.links.tap = Aligned::zeros(n);
         self.forces.push(op);
         self
     }
@@ -58,36 +62,32 @@ impl Row {
 
     /// Hears the position of a MAT.
     fn hear(mut self, mat: u32) -> (Scene, State) {
-        let channel = self.layout.outputs.len() as u32;
-        self.layout.outputs.push(Output { tap: Tap::Position(mat), channel });
-        (self.layout.channels, self.layout.n_out) = (1, 1);
+        let channel = self.layout.out.outputs.len() as u32;
+        self.layout.out.outputs.push(Output { tap: Tap::Position(mat), channel });
+        (self.layout.counts.channels, self.layout.counts.n_out) = (1, 1);
         let op = Op { coef: self.state.coef.len(), ..Op::pass(Pass::Outputs, 1) };
         self.more([1.0]);
         self.state.output.push(0.0);
-        self.layout.n_coef = self.state.coef.len();
-        self.state.last_input.clone_from(&self.state.input);
+        self.layout.counts.n_coef = self.state.coef.len();
+        self.state.ports.last_input.clone_from(&self.state.input);
         let scene = Scene {
             rate: RATE,
             layout: self.layout,
-            reads: self.reads,
-            forces: self.forces,
-            fused: 0,
-            writes: vec![op],
-            moves: self.moves,
+            passes: Passes {
+                reads: self.reads,
+                forces: self.forces,
+                fused: 0,
+                writes: vec![op],
+                moves: self.moves,
+                sorted: false,
+            },
             inputs: self.inputs,
-            channel_names: vec!["out".into()],
-            probe_names: Vec::new(),
-            probe_of: Vec::new(),
+            names: OutputNames { channel_names: vec!["out".into()], probe_names: Vec::new(), probe_of: Vec::new() },
             live: LivePlan::default(),
-            gestures: Vec::new(),
+            about: About { gestures: Vec::new(), left_out: Vec::new(), title: "by hand".into(), seconds: None },
             symbols: Symbols::default(),
             certificate: Certificate::default(),
-            equivalence: Equivalence::default(),
-            couplings: Vec::new(),
-            left_out: Vec::new(),
-            sorted: false,
-            title: "by hand".into(),
-            seconds: None,
+            hand: InHand { equivalence: Equivalence::default(), couplings: Vec::new() },
             initial: self.state,
             before: None,
         };
@@ -96,7 +96,7 @@ impl Row {
     }
 }
 
-fn law(kind: &'static ca_core::kind::Kind) -> &'static Law {
+fn law(kind: &'static ca_core::Kind) -> &'static Law {
     let Role::Lia(law) = kind.role else { panic!("{} is no link", kind.code) };
     law
 }
@@ -129,7 +129,7 @@ fn a_row_is_its_links_one_by_one() {
     let coefs: Vec<Vec<f64>> = (1..n).map(|_| vec![1.0 + next(), 0.1 * next()]).collect();
     let start: Vec<f64> = (0..n).map(|_| 1e-3 * (next() - 0.5)).collect();
     let play = |row: bool| {
-        let (scene, mut s) = Row::new(&mats).join(law(&ca_core::phi::REF), &coefs, row).hear(3);
+        let (scene, mut s) = Row::new(&mats).join(law(&ca_core::internal::phi::REF), &coefs, row).hear(3);
         s.x.copy_from_slice(&start);
         (0..5_000).for_each(|_| tick(&scene, &mut s));
         s
@@ -159,7 +159,8 @@ fn a_row_is_its_links_one_by_one() {
 fn a_string_without_loss_keeps_its_energy() {
     let n = 40;
     let coefs = vec![vec![1.0]; n - 1];
-    let (scene, mut s) = Row::new(&vec![[1.0, 0.0, 0.5]; n]).join(law(&ca_core::phi::res::KIND), &coefs, true).hear(0);
+    let (scene, mut s) =
+        Row::new(&vec![[1.0, 0.0, 0.5]; n]).join(law(&ca_core::internal::phi::res::KIND), &coefs, true).hear(0);
     s.x[7] = 1e-3;
     let energy = |s: &State| {
         let kinetic: f64 = s.d.iter().map(|d| d * d).sum();
@@ -180,8 +181,8 @@ fn a_string_without_loss_keeps_its_energy() {
 #[test]
 fn inputs_that_are_not_finite_are_refused() {
     let mut row = Row::new(&[[1.0, 0.0, 0.0], [1.0, 0.0, 1.0]]);
-    row.layout.enx = vec![Enx { input: 0, mat: 0, rest: 0.0, implicit: false }];
-    row.layout.enf = vec![Enf { input: 1, mat: 1 }];
+    row.layout.ports.enx = vec![Enx { input: 0, mat: 0, rest: 0.0, implicit: false }];
+    row.layout.ports.enf = vec![Enf { input: 1, mat: 1 }];
     row.inputs = vec![input("bow", InputRole::Position), input("push", InputRole::Force)];
     row.state.input = vec![0.0; 2];
     row.reads = vec![Op::pass(Pass::Enx, 1), Op::pass(Pass::Enf { counted: true }, 1)];
@@ -190,11 +191,11 @@ fn inputs_that_are_not_finite_are_refused() {
     let (scene, mut s) = row.hear(1);
     s.input = vec![0.25, 2.0];
     tick(&scene, &mut s);
-    assert_eq!((s.x[0], s.d[1], s.refused), (0.25, 2.0, 0));
+    assert_eq!((s.x[0], s.d[1], s.ports.refused), (0.25, 2.0, 0));
     for (k, bad) in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY].into_iter().enumerate() {
         s.input = vec![bad, bad];
         tick(&scene, &mut s);
-        assert_eq!((s.x[0], s.d[1], s.refused), (0.25, 2.0, 2 * (k as u64 + 1)), "{bad}: held, and no force");
+        assert_eq!((s.x[0], s.d[1], s.ports.refused), (0.25, 2.0, 2 * (k as u64 + 1)), "{bad}: held, and no force");
     }
 }
 

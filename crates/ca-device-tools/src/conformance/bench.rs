@@ -3,8 +3,7 @@
 
 use crate::ToolError;
 use ca_compile::Options as Compile;
-use ca_core::Scene;
-use ca_core::live::Controls;
+use ca_core::{Controls, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -156,7 +155,7 @@ impl Bench {
             gains: Vec::new(),
         };
         let port = Port::new(&scene, setup);
-        let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.ratio) / scene.rate);
+        let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.rates.ratio) / scene.rate);
         let own = Options { session: session(), ..Options::default() };
         Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period, rest, stretch })
     }

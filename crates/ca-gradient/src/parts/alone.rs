@@ -4,12 +4,15 @@
 //! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
 //! dual numbers too; a system of its derivatives would have to be kept in step with that of the tick.
 
-use ca_core::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
+use ca_core::internal::op::layout::{Counts, LinkArrays, Places};
+use ca_core::internal::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
+use ca_core::internal::state::LinkState;
 use ca_core::{Scene, State};
 
-use ca_core::numeric::{Aligned, Dual, TANGENTS};
-use ca_core::op::layout::Layout;
-use ca_core::state::ActiveContacts;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::state::ActiveContacts;
+use ca_core::{Dual, TANGENTS};
 use std::ops::Range;
 
 /// A port of a link.
@@ -196,24 +199,27 @@ impl Alone {
         if let SolveStage::Coupled = law.stage {
             let pass = Pass::Contacts { modes: false };
             passes.push(Op::new(pass, pass.kernel(), links));
-            s.touches = ActiveContacts::new(links, slots);
+            s.links.touches = ActiveContacts::new(links, slots);
         }
         let layout = Layout {
-            n_mat: slots,
-            ends,
-            onto,
-            e0: vec![Dual::default(); links],
-            reach: vec![[Dual::default(); 4]; shape.ports.len()],
-            rest: vec![Dual::default(); slots],
+            counts: Counts { n_mat: slots, ..Counts::default() },
+            links: LinkArrays {
+                ends,
+                onto,
+                e0: vec![Dual::default(); links],
+                reach: vec![[Dual::default(); 4]; shape.ports.len()],
+                ..LinkArrays::default()
+            },
+            places: Places { rest: vec![Dual::default(); slots], ..Places::default() },
             tables: dual.layout.tables.clone(),
             vectors: dual.layout.vectors,
             ..Layout::default()
         };
         (s.x, s.d, s.f) = (Aligned::zeros(slots), Aligned::zeros(slots), Aligned::zeros(slots));
         s.coef = Aligned::zeros(3 * slots + shape.coefs);
-        s.mem = vec![Dual::default(); shape.mem];
-        s.lengths = Aligned::zeros(shape.ports.len());
-        s.tap = Aligned::zeros(links);
+        s.links.mem = vec![Dual::default(); shape.mem];
+        s.links.lengths = Aligned::zeros(shape.ports.len());
+        s.links.tap = Aligned::zeros(links);
         Some(Alone {
             direct: slots == 2 && !shape.last,
             ops: passes,
@@ -246,13 +252,13 @@ impl Alone {
             let sh = &self.shape;
             let e = number(1) - number(0) + number(sh.e0());
             let w = number(sh.d() + 1) - number(sh.d());
-            let (coefs, mem) = (&mut self.s.coef[3 * sh.slots..], &mut self.s.mem[..]);
+            let (coefs, mem) = (&mut self.s.coef[3 * sh.slots..], &mut self.s.links.mem[..]);
             coefs.iter_mut().zip(sh.coef()..).for_each(|(to, at)| *to = number(at));
             mem.iter_mut().zip(sh.memory()..).for_each(|(to, at)| *to = number(at));
             let force = (fns.force)(coefs, mem, &self.layout.tables, e, w);
             self.s.f[0] = force;
             self.s.f[1] = -force;
-            self.s.tap[0] = force;
+            self.s.links.tap[0] = force;
         } else {
             let (given, moving) = (&self.given, &self.moving);
             each(&mut self.s, &mut self.layout, |at, to| {
@@ -262,7 +268,7 @@ impl Alone {
             self.run();
         }
         let s = &self.s;
-        let all = s.f.iter().chain(&s.mem).chain(s.lengths.iter()).chain(s.tap.iter());
+        let all = s.f.iter().chain(&s.links.mem).chain(s.links.lengths.iter()).chain(s.links.tap.iter());
         self.done.iter_mut().zip(all).for_each(|(to, v)| *to = *v.tangents());
     }
 
@@ -283,9 +289,9 @@ impl Alone {
                 }
             };
             s.f.iter().zip(by.force).for_each(|(v, by)| add(v, *by));
-            s.mem.iter().zip(by.memory).for_each(|(v, by)| add(v, *by));
-            s.lengths.iter().zip(by.lengths).for_each(|(v, by)| add(v, by));
-            s.tap.iter().zip(by.tap).for_each(|(v, by)| add(v, *by));
+            s.links.mem.iter().zip(by.memory).for_each(|(v, by)| add(v, *by));
+            s.links.lengths.iter().zip(by.lengths).for_each(|(v, by)| add(v, by));
+            s.links.tap.iter().zip(by.tap).for_each(|(v, by)| add(v, *by));
             for (at, sum) in some.iter().zip(sums) {
                 self.adjoint[*at] = sum;
             }
@@ -301,23 +307,23 @@ impl Alone {
         for (to, v) in coefs.iter_mut().zip(&given[sh.coef()..]) {
             *to = Dual::constant(*v);
         }
-        for (to, v) in self.s.mem.iter_mut().zip(&given[sh.memory()..]) {
+        for (to, v) in self.s.links.mem.iter_mut().zip(&given[sh.memory()..]) {
             *to = Dual::constant(*v);
         }
         for (lane, at) in some.iter().enumerate() {
             let to = match *at {
                 at if at == 1 || at == sh.e0() => &mut e,
                 at if at == sh.d() + 1 => &mut w,
-                at if at >= sh.memory() => &mut self.s.mem[at - sh.memory()],
+                at if at >= sh.memory() => &mut self.s.links.mem[at - sh.memory()],
                 at => &mut coefs[at - sh.coef()],
             };
             to.tangents_mut()[lane] = 1.0;
         }
         let Some(fns) = self.ops[0].fns else { return };
-        let force = (fns.force)(coefs, &mut self.s.mem, &self.layout.tables, e, w);
+        let force = (fns.force)(coefs, &mut self.s.links.mem, &self.layout.tables, e, w);
         let adjoint = by.force[0] - by.force[1] + by.tap[0];
         for (lane, at) in some.iter().enumerate() {
-            let memory = self.s.mem.iter().zip(by.memory).map(|(v, by)| by * v.tangents()[lane]);
+            let memory = self.s.links.mem.iter().zip(by.memory).map(|(v, by)| by * v.tangents()[lane]);
             self.adjoint[*at] = adjoint * force.tangents()[lane] + memory.sum::<f64>();
         }
     }
@@ -349,10 +355,10 @@ impl Alone {
             _ if at < sh.f() => s.d.get_mut(at - n),
             _ if at < sh.own() => s.f.get_mut(at - 2 * n),
             _ if at < sh.memory() => s.coef.get_mut(at - 3 * n),
-            _ if at < sh.length() => s.mem.get_mut(at - sh.memory()),
-            _ if at < sh.e0() => s.lengths.get_mut(at - sh.length()),
-            _ if at < sh.reach() => self.layout.e0.get_mut(at - sh.e0()),
-            _ => self.layout.reach.as_flattened_mut().get_mut(at - sh.reach()),
+            _ if at < sh.length() => s.links.mem.get_mut(at - sh.memory()),
+            _ if at < sh.e0() => s.links.lengths.get_mut(at - sh.length()),
+            _ if at < sh.reach() => self.layout.links.e0.get_mut(at - sh.e0()),
+            _ => self.layout.links.reach.as_flattened_mut().get_mut(at - sh.reach()),
         }
     }
 }
@@ -360,7 +366,7 @@ impl Alone {
 /// A pass of one link of the law of another, which is one of the `dual` scene.
 fn pass(op: &Op, dual: &Scene<Dual>) -> Option<Op<Dual>> {
     let code = op.law?.code;
-    let (law, fns) = dual.forces.iter().find_map(|o| o.law.zip(o.fns).filter(|(law, _)| law.code == code))?;
+    let (law, fns) = dual.passes.forces.iter().find_map(|o| o.law.zip(o.fns).filter(|(law, _)| law.code == code))?;
     let &Form { measure, onto, .. } = &op.form;
     let form = Form { measure, onto, offset: true, tap: true, ..Form::default() };
     let ports = Ports { measure, onto: onto.map(|m| (m, 0, 1)), ..Ports::default() };
@@ -369,9 +375,9 @@ fn pass(op: &Op, dual: &Scene<Dual>) -> Option<Op<Dual>> {
 
 /// Visits what a link reads, in the order of [`Shape`], each with its place there.
 fn each(s: &mut State<Dual>, layout: &mut Layout<Dual>, mut visit: impl FnMut(usize, &mut Dual)) {
-    let State { x, d, f, coef, mem, lengths, .. } = s;
+    let State { x, d, f, coef, links: LinkState { mem, lengths, .. }, .. } = s;
     let state = [&mut x[..], d, f, coef, mem, lengths].into_iter().flatten();
-    let all = state.chain(&mut layout.e0).chain(layout.reach.as_flattened_mut());
+    let all = state.chain(&mut layout.links.e0).chain(layout.links.reach.as_flattened_mut());
     all.enumerate().for_each(|(at, v)| visit(at, v));
 }
 
@@ -379,7 +385,7 @@ fn each(s: &mut State<Dual>, layout: &mut Layout<Dual>, mut visit: impl FnMut(us
 pub fn slots(scene: &Scene, op: &Op, i: usize) -> Vec<usize> {
     let Some(shape) = Shape::of(op) else { return Vec::new() };
     let l = &scene.layout;
-    let ends = [Some(l.ends[op.first + i]), op.ports.onto.map(|o| l.onto[o.1 + i])];
+    let ends = [Some(l.links.ends[op.first + i]), op.ports.onto.map(|o| l.links.onto[o.1 + i])];
     let port = |(p, ends): (&Port, [u32; 2])| {
         let axes = p.axes;
         ends.into_iter().flat_map(move |m| m as usize..m as usize + axes)

@@ -15,22 +15,22 @@ pub mod rows;
 pub mod small;
 
 use alone::slots;
-use ca_core::Scene;
-use ca_core::op::layout::{MeasureKind, Tap};
-use ca_core::op::{Integrate, Law, Op, SolveStage};
+use ca_core::internal::op::layout::{MeasureKind, Tap};
+use ca_core::internal::op::{Integrate, Op, SolveStage};
+use ca_core::{Law, Scene};
 
 /// The parts of a tick.
 pub struct Parts {
-    /// linear links whose forces are summed, as indices into [`Scene::forces`], each with what its law is made of
+    /// linear links whose forces are summed, as indices into [`Passes::forces`], each with what its law is made of
     pub linear: Vec<(usize, Basis)>,
-    /// linear links that are solved for with the motion to come, as indices into [`Scene::forces`], and the passes that do
+    /// linear links that are solved for with the motion to come, as indices into [`Passes::forces`], and the passes that do
     pub implicit: Vec<usize>,
     pub solves: Vec<usize>,
-    /// linear links of rows that integrate, as indices into [`Scene::moves`]
+    /// linear links of rows that integrate, as indices into [`Passes::moves`]
     pub rows: Vec<(usize, Basis)>,
     /// links one by one
     pub links: Vec<Link>,
-    /// links between all pairs of two sets, as indices into [`Scene::forces`]
+    /// links between all pairs of two sets, as indices into [`Passes::forces`]
     pub sets: Vec<usize>,
     /// those that go by the sum of the forces
     pub last: Vec<Link>,
@@ -40,9 +40,9 @@ pub struct Parts {
     pub hears: Vec<Tap>,
     /// coefficients that ports drive, rising: indices into [`State::coef`](ca_core::State::coef)
     pub driven: Vec<usize>,
-    /// passes of weight, as indices into [`Scene::forces`]
+    /// passes of weight, as indices into [`Passes::forces`]
     pub weights: Vec<usize>,
-    /// those that give to modes and take from them, as indices into [`Scene::reads`] and [`Scene::forces`]
+    /// those that give to modes and take from them, as indices into [`Passes::reads`] and [`Passes::forces`]
     pub modal: Option<[usize; 2]>,
     /// slots of which the sum of the forces is heard, or a link of `last` goes by it
     pub summed: Vec<usize>,
@@ -50,7 +50,7 @@ pub struct Parts {
 
 /// A link that is run alone, or some that are solved together.
 pub struct Link {
-    /// index into [`Scene::forces`], and which one of it; of those that are solved together each, in the order of the tick
+    /// index into [`Passes::forces`], and which one of it; of those that are solved together each, in the order of the tick
     pub members: Vec<(usize, usize)>,
     /// slots of its ends, port by port, first ends first; of those that are solved together all, rising
     pub slots: Vec<usize>,
@@ -59,7 +59,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// The pass that is the first to run it, as an index into [`Scene::forces`].
+    /// The pass that is the first to run it, as an index into [`Passes::forces`].
     pub fn op(&self) -> usize {
         self.members[0].0
     }
@@ -109,7 +109,7 @@ pub fn no(what: &str) -> String {
 
 /// That it has a pass which reverse mode does not know.
 pub fn unknown(op: &Op) -> String {
-    no(&format!("it has the pass `{}`", op.name))
+    no(&format!("it has the pass `{}`", op.name()))
 }
 
 /// The coefficients of a pass of links; of a set one row.
@@ -125,16 +125,16 @@ impl Parts {
         if scene.oversample() > 1 {
             return Err(no("its samples have several ticks"));
         }
-        if scene.slow.is_some() {
+        if scene.rates.slow.is_some() {
             return Err(no("it has groups at the gesture rate"));
         }
         let known = |list: &[Op], names: &[&str]| {
-            list.iter().find(|op| !names.contains(&op.name)).map_or(Ok(()), |op| Err(pass(op)))
+            list.iter().find(|op| !names.contains(&op.name())).map_or(Ok(()), |op| Err(pass(op)))
         };
-        known(&scene.reads, &["ENX", "TGR in", "modal ports", "driven", "changes", "aim", "points"])?;
+        known(&scene.passes.reads, &["ENX", "TGR in", "modal ports", "driven", "changes", "aim", "points"])?;
         let writes = ["heard links", "outputs", "outputs of motion", "high pass", "high pass of motion", "low pass"];
-        known(&scene.writes, &writes)?;
-        let ports = scene.layout.enx.iter().chain(&scene.layout.tgr);
+        known(&scene.passes.writes, &writes)?;
+        let ports = scene.layout.ports.enx.iter().chain(&scene.layout.ports.tgr);
         let mut parts = Parts {
             linear: Vec::new(),
             rows: Vec::new(),
@@ -142,8 +142,8 @@ impl Parts {
             last: Vec::new(),
             held: ports
                 .map(|p| p.mat)
-                .chain(scene.layout.moving_points.iter().map(|p| p.mat))
-                .chain(scene.layout.modal.iter().map(|p| p.mat))
+                .chain(scene.layout.places.moving_points.iter().map(|p| p.mat))
+                .chain(scene.layout.places.modal.iter().map(|p| p.mat))
                 .map(|m| m as usize)
                 .collect(),
             weights: Vec::new(),
@@ -152,26 +152,27 @@ impl Parts {
             solves: Vec::new(),
             sets: Vec::new(),
             driven: Vec::new(),
-            hears: scene.layout.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
+            hears: scene.layout.out.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
             summed: Vec::new(),
         };
-        let driven = scene.layout.driven.iter().flat_map(|d| &d.places);
+        let driven = scene.layout.ports.driven.iter().flat_map(|d| &d.places);
         parts.driven = driven.map(|place| scene.live.coefs[*place as usize] as usize).collect();
         parts.driven.sort_unstable();
         parts.driven.dedup();
-        let of_links: Vec<std::ops::Range<usize>> = scene.summed().iter().filter_map(coefficients).collect();
+        let of_links: Vec<std::ops::Range<usize>> = scene.passes.summed().iter().filter_map(coefficients).collect();
         if parts.driven.iter().any(|c| !of_links.iter().any(|r| r.contains(c))) {
             return Err(no("a port drives a number of it that is of no link"));
         }
-        let points: Vec<usize> = scene.layout.moving_points.iter().map(|p| p.mat as usize).collect();
+        let points: Vec<usize> = scene.layout.places.moving_points.iter().map(|p| p.mat as usize).collect();
         let mut together = Vec::new();
-        for (k, op) in scene.summed().iter().enumerate() {
+        for (k, op) in scene.passes.summed().iter().enumerate() {
             let Some(law) = op.law else {
-                match op.name {
+                match op.name() {
                     "ENF" | "TGR out" | "points back" | "contacts" => {}
                     "weight" => parts.weights.push(k),
                     "modes" => {
-                        parts.modal = scene.reads.iter().position(|op| op.name == "modal ports").map(|read| [read, k]);
+                        parts.modal =
+                            scene.passes.reads.iter().position(|op| op.name() == "modal ports").map(|read| [read, k]);
                     }
                     "implicit" | "implicit pairs" => parts.solves.push(k),
                     _ => return Err(pass(op)),
@@ -212,7 +213,8 @@ impl Parts {
                 SolveStage::Coupled => &mut together,
             };
             // a place in a row that no link takes has one end
-            let takes = |i: &usize| scene.layout.ends[op.first + i][0] != scene.layout.ends[op.first + i][1];
+            let takes =
+                |i: &usize| scene.layout.links.ends[op.first + i][0] != scene.layout.links.ends[op.first + i][1];
             let (late, coupled) = match law.stage {
                 SolveStage::Explicit => (false, false),
                 SolveStage::Single(_) => (true, false),
@@ -220,15 +222,15 @@ impl Parts {
             };
             let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: coupled };
             to.extend((0..op.n).filter(takes).map(link));
-            if late && (at_points || !scene.layout.modal_couplings.is_empty()) {
+            if late && (at_points || !scene.layout.places.modal_couplings.is_empty()) {
                 return Err(pass(op));
             }
         }
-        parts.last.extend(that_touch(together, &scene.initial.coef[2 * scene.layout.n_mat..]));
+        parts.last.extend(that_touch(together, &scene.initial.coef[2 * scene.layout.counts.n_mat..]));
         // each has what it reads kept before the first of them runs
         parts.last.sort_by_key(Link::op);
-        for (k, op) in scene.moves.iter().enumerate() {
-            match (op.law, op.name) {
+        for (k, op) in scene.passes.moves.iter().enumerate() {
+            match (op.law, op.name()) {
                 (Some(_), _) => parts.rows.push((k, basis(op).ok_or_else(|| pass(op))?)),
                 (None, "integrate MAS" | "integrate CEL" | "flush") => {}
                 (None, _) => return Err(pass(op)),
@@ -236,18 +238,21 @@ impl Parts {
         }
         let sums = scene
             .layout
+            .out
             .outputs
             .iter()
             .filter_map(|o| if let Tap::ForceOn(m) = o.tap { Some(m as usize) } else { None });
         parts.summed = sums.chain(parts.last.iter().flat_map(|l| l.slots.iter().copied())).collect();
         parts.summed.sort_unstable();
         parts.summed.dedup();
-        if let (Some(k), false) = (parts.implicit.first(), parts.summed.is_empty() && scene.layout.modal.is_empty()) {
-            return Err(pass(&scene.forces[*k]));
+        if let (Some(k), false) =
+            (parts.implicit.first(), parts.summed.is_empty() && scene.layout.places.modal.is_empty())
+        {
+            return Err(pass(&scene.passes.forces[*k]));
         }
         // of rows that integrate, no such sum is there to be heard
         for (k, _) in &parts.rows {
-            let op = &scene.moves[*k];
+            let op = &scene.passes.moves[*k];
             let masses = op.mat..op.mat + op.n + usize::from(!op.form.folded);
             debug_assert!(op.form.integrate != Integrate::No);
             if parts.summed.iter().any(|m| masses.contains(m)) {

@@ -5,6 +5,7 @@ use crate::parameter::put;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
 use ca_core::Scene;
+use ca_core::internal::scene;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog};
 
@@ -37,7 +38,7 @@ impl Numbers {
             all.push(derivatives(&start, p, &other)?);
         }
         let mut count = 0.0;
-        place.numbers(&mut |v| {
+        scene::numbers(&mut place, &mut |v| {
             *v = count;
             count += 1.0;
         });

@@ -1,7 +1,7 @@
 //! Outputs: what each of a scene hears, and how.
 
 use ca_core::Scene;
-use ca_core::op::layout::{Output, Tap};
+use ca_core::internal::op::layout::{Output, Tap};
 
 /// An output of a scene.
 pub struct Listed {
@@ -20,11 +20,11 @@ pub struct Listed {
 /// The outputs of a scene, in its order.
 pub fn listed(scene: &Scene) -> impl Iterator<Item = Listed> + '_ {
     let l = &scene.layout;
-    let gains = scene.writes.iter().find(|op| op.name == "outputs").map_or(0, |op| op.coef);
-    let [motion, passed] = l.of_motion;
-    let (n, high) = (l.outputs.len(), l.blockers.len());
+    let gains = scene.passes.writes.iter().find(|op| op.name() == "outputs").map_or(0, |op| op.coef);
+    let [motion, passed] = l.out.of_motion;
+    let (n, high) = (l.out.outputs.len(), l.out.blockers.len());
     let mut forces = 0;
-    l.outputs.iter().enumerate().map(move |(k, o): (usize, &Output)| {
+    l.out.outputs.iter().enumerate().map(move |(k, o): (usize, &Output)| {
         let before = forces;
         forces += usize::from(!matches!(o.tap, Tap::Position(_)));
         Listed {

@@ -3,9 +3,8 @@
 use crate::parts::Link;
 use crate::parts::alone::Alone;
 use crate::parts::record::Row;
-use ca_core::Scene;
-use ca_core::numeric::Dual;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
+use ca_core::{Dual, Scene};
 
 /// A link that is run alone, at its place, or some that are solved together.
 pub struct Placed {
@@ -31,16 +30,16 @@ impl Placed {
     /// A link of a scene, its numbers given; `place` is the scene with each number replaced by its place among them. `None` where its law
     /// is none of the `dual` scene.
     pub fn new(scene: &Scene, link: &Link, dual: &Scene<Dual>, place: &Scene) -> Option<Placed> {
-        let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.forces[*k]).collect();
+        let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.passes.forces[*k]).collect();
         let each = || ops.iter().zip(&link.members).map(|(op, (_, i))| (*op, *i));
         let mut alone = if link.together {
             let at = |m: u32| link.slots.binary_search(&(m as usize)).map_or(0, |at| at as u32);
-            let ends = each().map(|(op, i)| scene.layout.ends[op.first + i].map(at)).collect();
+            let ends = each().map(|(op, i)| scene.layout.links.ends[op.first + i].map(at)).collect();
             Alone::together(&ops, ends, link.slots.len(), dual)?
         } else {
             Alone::new(ops[0], dual)?
         };
-        let (sh, n) = (&alone.shape, scene.layout.n_mat);
+        let (sh, n) = (&alone.shape, scene.layout.counts.n_mat);
         let reaches = |(op, i): (&Op, usize)| {
             let of = [Some(op.ports.reach), op.ports.onto.map(|o| o.2)];
             of.into_iter().flatten().map(move |r| r + i)
@@ -57,12 +56,12 @@ impl Placed {
             number_at(sh.coef() + k, all.map(|c| c[*coef]));
         }
         for (k, (op, i)) in each().enumerate() {
-            number_at(sh.e0() + k, [scene, place].map(|s| s.layout.e0[op.first + i]));
+            number_at(sh.e0() + k, [scene, place].map(|s| s.layout.links.e0[op.first + i]));
         }
         for (which, (p, r)) in sh.ports.iter().zip(&lengths).enumerate().filter(|(_, (p, _))| p.axes > 1) {
             debug_assert_eq!(p.axes, 3);
             for k in 0..4 {
-                number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.reach[*r][k]));
+                number_at(sh.reach() + 4 * which + k, [scene, place].map(|s| s.layout.links.reach[*r][k]));
             }
         }
         for (k, slot) in link.slots.iter().enumerate() {

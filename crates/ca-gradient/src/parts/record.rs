@@ -1,9 +1,9 @@
 //! Record: a stretch of ticks, played once more for the way back.
 
 use crate::parts::{Link, Parts};
-use ca_core::numeric::Aligned;
-use ca_core::op::Op;
-use ca_core::op::layout::Tap;
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Tap;
 use ca_core::{Scene, State};
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub struct Row<'a> {
     pub cells: &'a [f64],
     /// coefficients that ports drive, as [`Parts::driven`]
     pub driven: &'a [f64],
-    /// forces on masses that go by modes, as [`Layout::modal`](ca_core::op::layout::Layout::modal)
+    /// forces on masses that go by modes, as [`Places::modal`](ca_core::internal::op::layout::Places::modal)
     pub modal: &'a [f64],
     /// what high passes heard last and gave, where some parameter changes them (any x 2)
     pub passed: &'a [f64],
@@ -52,17 +52,28 @@ impl Record {
     pub fn new(scene: &Scene, parts: &Parts, ticks: usize, [filters, heard]: [bool; 2]) -> Record {
         let (l, start) = (&scene.layout, &scene.initial);
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
-        let (mem, lengths) = if remembers { (start.mem.len(), start.lengths.len()) } else { (0, 0) };
+        let (mem, lengths) = if remembers { (start.links.mem.len(), start.links.lengths.len()) } else { (0, 0) };
         let sums = parts.last.iter().map(|l| l.slots.len() + 1).sum();
-        let passed = if filters { 2 * l.blockers.len() } else { 0 };
-        let (cells, driven) = (8 * l.moving_points.len(), parts.driven.len());
+        let passed = if filters { 2 * l.out.blockers.len() } else { 0 };
+        let (cells, driven) = (8 * l.places.moving_points.len(), parts.driven.len());
         let mut width = 0;
-        let kinds = [l.n_mat, l.n_mat, mem, lengths, sums, parts.hears.len(), cells, driven, l.modal.len(), passed]
-            .map(|n| {
-                let first = width;
-                width += whole_lines(n);
-                first..first + n
-            });
+        let kinds = [
+            l.counts.n_mat,
+            l.counts.n_mat,
+            mem,
+            lengths,
+            sums,
+            parts.hears.len(),
+            cells,
+            driven,
+            l.places.modal.len(),
+            passed,
+        ]
+        .map(|n| {
+            let first = width;
+            width += whole_lines(n);
+            first..first + n
+        });
         Record { kinds, width, all: Aligned::zeros((ticks + 1) * width), writes: filters || heard }
     }
 
@@ -111,23 +122,23 @@ impl Record {
                 (op.kernel)(op, &scene.layout, s);
             }
         };
-        let last = parts.last.first().map_or(scene.summed().len(), Link::op);
-        let (before, behind) = scene.summed().split_at(last);
-        let heard = scene.writes.iter().find(|op| op.name == "heard links");
+        let last = parts.last.first().map_or(scene.passes.summed().len(), Link::op);
+        let (before, behind) = scene.passes.summed().split_at(last);
+        let heard = scene.passes.writes.iter().find(|op| op.name() == "heard links");
         let inputs = scene.inputs.len();
         let [x, d, mem, lengths, sums, heard_forces, cells, driven, modal, passed] = self.kinds.clone();
         for k in 0..ticks {
             s.input.copy_from_slice(&given[k * inputs..][..inputs]);
-            run(&scene.reads, s);
+            run(&scene.passes.reads, s);
             let row = &mut self.all[k * self.width..][..self.width];
             row[x.clone()].copy_from_slice(&s.x);
             row[d.clone()].copy_from_slice(&s.d);
-            row[mem.clone()].copy_from_slice(&s.mem[..mem.len()]);
-            row[lengths.clone()].copy_from_slice(&s.lengths[..lengths.len()]);
+            row[mem.clone()].copy_from_slice(&s.links.mem[..mem.len()]);
+            row[lengths.clone()].copy_from_slice(&s.links.lengths[..lengths.len()]);
             for (to, c) in row[driven.clone()].iter_mut().zip(&parts.driven) {
                 *to = s.coef[*c];
             }
-            for (to, c) in row[cells.clone()].chunks_exact_mut(8).zip(&s.cells) {
+            for (to, c) in row[cells.clone()].chunks_exact_mut(8).zip(&s.links.cells) {
                 for q in 0..4 {
                     (to[q], to[4 + q]) = (f64::from(c.node[q]), if q < c.n { c.weight[q] } else { 0.0 });
                 }
@@ -160,21 +171,21 @@ impl Record {
                     *to = match tap {
                         Tap::Position(m) => s.x[*m as usize],
                         Tap::ForceOn(m) => s.f[*m as usize],
-                        Tap::ForceOf(t) => s.tap[*t as usize],
+                        Tap::ForceOf(t) => s.links.tap[*t as usize],
                     };
                 }
             }
-            for (to, p) in row[modal.clone()].iter_mut().zip(&scene.layout.modal) {
+            for (to, p) in row[modal.clone()].iter_mut().zip(&scene.layout.places.modal) {
                 *to = s.f[p.mat as usize];
             }
             if !passed.is_empty() {
-                row[passed.clone()].copy_from_slice(s.blocked.as_flattened());
+                row[passed.clone()].copy_from_slice(s.ports.blocked.as_flattened());
             }
             if self.writes {
-                run(&scene.writes, s);
+                run(&scene.passes.writes, s);
                 hears(k, &s.output);
             }
-            run(&scene.moves, s);
+            run(&scene.passes.moves, s);
             s.tick += 1;
         }
         let row = &mut self.all[ticks * self.width..][..self.width];

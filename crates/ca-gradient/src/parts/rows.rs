@@ -2,8 +2,8 @@
 
 use crate::parts::Basis;
 use ca_core::Scene;
-use ca_core::op::{Band, Op};
-use ca_core::state::Fold;
+use ca_core::internal::op::{Band, Op};
+use ca_core::internal::state::Fold;
 
 /// The linear links of a pass.
 pub struct Rows {
@@ -24,7 +24,7 @@ impl Rows {
     /// Those of a pass that sums forces.
     pub fn listed(scene: &Scene, op: &Op, basis: &Basis) -> Rows {
         let (runs, ends) = match op.form.stride {
-            0 => (Vec::new(), scene.layout.ends[op.first..][..op.n].to_vec()),
+            0 => (Vec::new(), scene.layout.links.ends[op.first..][..op.n].to_vec()),
             stride => (vec![(op.n, [op.mat, op.mat + stride])], Vec::new()),
         };
         Rows { basis: basis.clone(), runs, ends, coef: op.coef, first: op.first, n: op.n }

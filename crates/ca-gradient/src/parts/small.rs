@@ -5,7 +5,7 @@
 
 use crate::parts::Parts;
 use crate::parts::rows::Rows;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use ca_core::{Scene, State};
 
 /// As many of a pass.
@@ -23,10 +23,10 @@ impl Small {
     /// Those of a scene, and all its other passes of linear links and of motion.
     pub fn of<'a>(scene: &'a Scene, parts: &Parts) -> (Small, Vec<&'a Op>, Vec<&'a Op>) {
         let mut small = Small { links: Vec::new(), masses: Vec::new() };
-        let (coef, n) = (&scene.initial.coef, scene.layout.n_mat);
+        let (coef, n) = (&scene.initial.coef, scene.layout.counts.n_mat);
         let (mut linear, mut moves) = (Vec::new(), Vec::new());
         for (k, basis) in &parts.linear {
-            let op = &scene.forces[*k];
+            let op = &scene.passes.forces[*k];
             if op.n > FEW || op.form.tap {
                 linear.push(op);
                 continue;
@@ -35,8 +35,8 @@ impl Small {
             let slopes = |i: usize| basis.slopes(|k| coef[op.coef + k * op.n + i]);
             small.links.extend(rows.slots().enumerate().map(|(i, slots)| (slots, slopes(i))));
         }
-        for op in &scene.moves {
-            if op.n > FEW || !op.name.starts_with("integrate") {
+        for op in &scene.passes.moves {
+            if op.n > FEW || !op.name().starts_with("integrate") {
                 moves.push(op);
                 continue;
             }

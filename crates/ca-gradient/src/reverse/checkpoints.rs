@@ -8,7 +8,7 @@ use crate::parts::no;
 use crate::played::{BLOCK, diverged, frames_of, known, zeros};
 use crate::{Error, GoesOn};
 use ca_core::State;
-use ca_core::numeric::Aligned;
+use ca_core::internal::numeric::Aligned;
 use ca_io::gesture::Gesture;
 use ca_io::perform::{self, Performance};
 use std::sync::Arc;
@@ -35,7 +35,7 @@ impl Reverse {
     ) -> Result<Checkpoints, Error> {
         let seconds = perform::seconds(&Performance::new(&self.scene, gesture)?, seconds);
         let frames = usize::try_from(perform::frames(&self.scene, seconds)).unwrap_or(usize::MAX);
-        let mut output = zeros(frames, self.scene.n_out, 1)?;
+        let mut output = zeros(frames, self.scene.counts.n_out, 1)?;
         output.clear();
         let kept = Kept::of(self, frames, gesture, &mut |row| output.extend_from_slice(row), goes_on)?;
         Ok(Checkpoints { reverse: self.clone(), kept, output })
@@ -111,7 +111,7 @@ impl Kept {
                 for to in given[first * inputs..][..ticks * inputs].chunks_exact_mut(inputs) {
                     p.tick();
                     to.copy_from_slice(&p.state.input);
-                    row.extend_from_slice(&p.state.output[..scene.n_out]);
+                    row.extend_from_slice(&p.state.output[..scene.counts.n_out]);
                 }
             } else {
                 p.ticks(ticks as u64, &mut row);

@@ -3,7 +3,7 @@
 use crate::parts::outputs::{Listed, listed};
 use crate::parts::record::Row;
 use ca_core::Scene;
-use ca_core::op::layout::{DcBlocker, Tap};
+use ca_core::internal::op::layout::{DcBlocker, Tap};
 
 /// What an output hears, and how.
 struct Heard {
@@ -51,14 +51,14 @@ impl Outputs {
             gain: scene.initial.coef[o.gain],
             at: o.gain,
             motion: o.motion,
-            high_pass: o.high_pass.map(|k| (k, l.blockers[k])),
+            high_pass: o.high_pass.map(|k| (k, l.out.blockers[k])),
             kept: 0.0,
         };
         Outputs {
             all: listed(scene).map(heard).collect(),
-            low_pass: l.lowpass.clone(),
-            channels: l.channels,
-            n_out: l.n_out,
+            low_pass: l.out.lowpass.clone(),
+            channels: l.counts.channels,
+            n_out: l.counts.n_out,
         }
     }
 

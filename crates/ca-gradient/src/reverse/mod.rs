@@ -23,10 +23,8 @@ use crate::parts::{Parts, number};
 use crate::played::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
-use ca_core::Scene;
-use ca_core::numeric::Dual;
-use ca_core::op::layout::{CoordinateSource, Shape as PortShape};
-use ca_core::scene::InputRole;
+use ca_core::internal::op::layout::{CoordinateSource, Shape as PortShape};
+use ca_core::{Dual, InputRole, Scene};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use checkpoints::Kept;
@@ -54,11 +52,11 @@ pub struct Reverse {
 fn ports(scene: &Scene) -> Vec<usize> {
     let l = &scene.layout;
     let says_where = |input: usize| {
-        let mut moved = l.enx.iter().chain(&l.tgr).filter(|p| p.input as usize == input);
-        let at = |m: u32| l.moving_points.iter().any(|p| p.at.contains(&CoordinateSource::Mat(m)));
+        let mut moved = l.ports.enx.iter().chain(&l.ports.tgr).filter(|p| p.input as usize == input);
+        let at = |m: u32| l.places.moving_points.iter().any(|p| p.at.contains(&CoordinateSource::Mat(m)));
         moved.any(|p| at(p.mat))
     };
-    let late = |i: usize| scene.inputs[i].role == InputRole::Device && l.crossing.latency > 0;
+    let late = |i: usize| scene.inputs[i].role == InputRole::Device && l.ports.crossing.latency > 0;
     (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
 }
 
@@ -99,8 +97,8 @@ impl Reverse {
             t.numbers(&mut |v| wanted.push((*v, "a table of a law")));
         }
         wanted.extend(self.place.initial.f.iter().map(|v| (*v, "the forces at load, by the start of mi.lib")));
-        wanted.extend(place.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
-        for p in &place.moving_points {
+        wanted.extend(place.out.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
+        for p in &place.places.moving_points {
             let at =
                 p.at.iter()
                     .filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
@@ -119,7 +117,7 @@ impl Reverse {
 
     /// How many numbers a sample has: the sound channels, then the probes.
     pub fn outputs(&self) -> usize {
-        self.scene.n_out
+        self.scene.counts.n_out
     }
 
     /// By what is differentiated.
@@ -159,10 +157,10 @@ impl Reverse {
     /// straight line to it within. Tells the adjoint of an input in a sample of a gesture.
     fn drive(&self, tick: usize, given: &[f64], back: &mut Adjoint, mut to: impl FnMut(usize, usize, f64)) {
         let (l, inputs) = (&self.scene.layout, self.scene.inputs.len());
-        let frame = l.frame as usize;
+        let frame = l.rates.frame as usize;
         let last = tick.div_ceil(frame) * frame;
         let part = if tick == 0 { 1.0 } else { (tick + frame - last) as f64 / frame as f64 };
-        for (d, place) in l.driven.iter().zip(&self.place.layout.driven) {
+        for (d, place) in l.ports.driven.iter().zip(&self.place.layout.ports.driven) {
             let (input, n) = (d.input as usize, d.places.len());
             let device = self.scene.inputs[input].role == InputRole::Device;
             for (last, part) in [(last, part), (last.saturating_sub(frame), 1.0 - part)] {
@@ -195,12 +193,12 @@ impl Reverse {
     /// straight line from one to the next (docs/numerics.md §5.1).
     fn given_at(&self, input: usize, tick: usize) -> [(usize, f64); 2] {
         let l = &self.scene.layout;
-        let frame = l.frame as usize;
+        let frame = l.rates.frame as usize;
         if self.scene.inputs[input].role != InputRole::Device || tick == 0 {
             return [(tick, 1.0), (tick, 0.0)];
         }
         let last = tick.div_ceil(frame) * frame;
-        let part = match l.crossing.shape {
+        let part = match l.ports.crossing.shape {
             PortShape::Linear => (tick + frame - last) as f64 / frame as f64,
             PortShape::Hold => 1.0,
         };
@@ -213,7 +211,7 @@ impl Reverse {
     /// # Errors
     /// As [`Forward::gradient`].
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Gradient, Error> {
-        let frames = frames_of(cotangent, self.scene.n_out.max(1))?;
+        let frames = frames_of(cotangent, self.scene.counts.n_out.max(1))?;
         let kept = Kept::of(self, frames, gesture, &mut |_| {}, goes_on)?;
         self.back(&kept, cotangent, goes_on)
     }
@@ -221,14 +219,14 @@ impl Reverse {
     /// The same, of what was played; the cotangent has as many samples.
     fn back(&self, kept: &Kept, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
-        let (inputs, outputs, stretch) = (scene.inputs.len(), scene.n_out.max(1), kept.stretch);
+        let (inputs, outputs, stretch) = (scene.inputs.len(), scene.counts.n_out.max(1), kept.stretch);
         let (frames, given) = (kept.frames, &kept.given);
         let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
         let mut back = back.map_err(Error::Refused)?;
         let adjoint = back.outputs.before_low_pass(cotangent);
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];
-        let filters = self.place.layout.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
+        let filters = self.place.layout.out.blockers.iter().flat_map(|b| [b.r, b.g]).any(|v| self.needed[number(v)]);
         let mut record = Record::new(scene, &self.parts, stretch, [filters, false]);
         let mut asked = 0;
         kept.back(|k, s| {
@@ -238,7 +236,7 @@ impl Reverse {
             record.play(scene, &self.parts, s, given_here, ticks, |_, _| {});
             for i in (0..ticks).rev() {
                 let tick = first + i;
-                let adjoint = if scene.n_out == 0 { &[] } else { &adjoint[tick * outputs..][..outputs] };
+                let adjoint = if scene.counts.n_out == 0 { &[] } else { &adjoint[tick * outputs..][..outputs] };
                 back.back(tick, record.row(i), adjoint);
                 if back.is_full() || i == 0 {
                     back.sum(&record, i);

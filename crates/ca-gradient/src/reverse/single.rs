@@ -4,9 +4,8 @@ use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
-use ca_core::numeric::Dual;
-use ca_core::op::{MeasureKind, Op};
-use ca_core::{Scene, State};
+use ca_core::internal::op::{MeasureKind, Op};
+use ca_core::{Dual, Scene, State};
 
 /// Where adjoints go.
 pub struct Adjoints<'w> {
@@ -144,9 +143,9 @@ fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, 
 /// Links between all pairs of two sets that touch, one after the other.
 pub struct Pairs {
     alone: Alone,
-    /// index into [`Layout::pair_sets`](ca_core::op::layout::Layout::pair_sets)
+    /// index into [`LinkArrays::pair_sets`](ca_core::internal::op::layout::LinkArrays::pair_sets)
     set: usize,
-    near: ca_core::numeric::VerletList,
+    near: ca_core::internal::numeric::VerletList,
     idle: (f64, f64),
     numbers: Vec<(usize, usize)>,
     /// numbers of the rest positions, where some parameter changes them (any)
@@ -165,7 +164,7 @@ impl Pairs {
     ) -> Option<Pairs> {
         let set = op.ports.pair_set?;
         // the distance of a pair is measured anew in each tick
-        let one = Op { form: ca_core::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
+        let one = Op { form: ca_core::internal::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
         let mut alone = Alone::new(&one, dual)?;
         let sh = &alone.shape;
         let coefs = sh.coef()..sh.coef() + sh.coefs;
@@ -174,18 +173,19 @@ impl Pairs {
         let at = |k: usize| place.initial.coef[op.coef + k];
         let numbers: Vec<(usize, usize)> =
             (0..coefs.len()).filter(|k| needed(at(*k))).map(|k| (coefs.start + k, number(at(k)))).collect();
-        let pairs = &scene.layout.pair_sets[set];
-        let moves = pairs.members.iter().flat_map(|m| &place.layout.rest[*m as usize..][..3]).any(|v| needed(*v));
-        let rest = if moves { place.layout.rest.iter().map(|v| number(*v)).collect() } else { Vec::new() };
+        let pairs = &scene.layout.links.pair_sets[set];
+        let moves =
+            pairs.members.iter().flat_map(|m| &place.layout.places.rest[*m as usize..][..3]).any(|v| needed(*v));
+        let rest = if moves { place.layout.places.rest.iter().map(|v| number(*v)).collect() } else { Vec::new() };
         let reach = if moves { sh.reach()..sh.reach() + 3 } else { 0..0 };
         let wanted = sh.carried(true).into_iter().chain(numbers.iter().map(|n| n.0)).chain(reach).collect();
-        let near = ca_core::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
+        let near = ca_core::internal::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
         Some(Pairs { alone, set, near, idle, numbers, rest, wanted })
     }
 
     /// Goes back over all pairs that touch.
     pub fn back(&mut self, scene: &Scene, row: &Row, adjoints: &mut Adjoints) {
-        let (set, rest) = (&scene.layout.pair_sets[self.set], &scene.layout.rest);
+        let (set, rest) = (&scene.layout.links.pair_sets[self.set], &scene.layout.places.rest);
         let three = |v: &[f64], m: u32| [v[m as usize], v[m as usize + 1], v[m as usize + 2]];
         let square = |[x, y, z]: [f64; 3]| x * x + y * y + z * z;
         let (from, to) = (self.idle.0.max(0.0), self.idle.1.max(0.0));
@@ -227,6 +227,6 @@ impl Pairs {
 
     /// Slots of all members.
     pub fn slots<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = usize> + 'a {
-        scene.layout.pair_sets[self.set].members.iter().flat_map(|m| *m as usize..*m as usize + 3)
+        scene.layout.links.pair_sets[self.set].members.iter().flat_map(|m| *m as usize..*m as usize + 3)
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::parts::record::Row;
 use crate::parts::{Basis, Parts, number};
-use ca_core::op::Band;
+use ca_core::internal::op::Band;
 use ca_core::{Scene, State};
 
 /// A linear link whose force is heard.
@@ -34,18 +34,18 @@ impl HeardLink {
         };
         let mut all = Vec::new();
         for (k, basis) in &parts.linear {
-            let op = &scene.forces[*k];
+            let op = &scene.passes.forces[*k];
             if op.form.tap {
                 all.extend((0..op.n).map(|i| {
-                    let e0 = (scene.layout.e0[op.first + i], place.layout.e0[op.first + i]);
+                    let e0 = (scene.layout.links.e0[op.first + i], place.layout.links.e0[op.first + i]);
                     let at = |k: usize| op.coef + k * op.n + i;
-                    of(basis, op.tap + i, scene.layout.ends[op.first + i], &at, e0)
+                    of(basis, op.tap + i, scene.layout.links.ends[op.first + i], &at, e0)
                 }));
             }
         }
-        for (h, other) in scene.layout.heard.iter().zip(&place.layout.heard) {
+        for (h, other) in scene.layout.out.heard.iter().zip(&place.layout.out.heard) {
             let of_row = |(k, _): &&(usize, Basis)| {
-                let op = &scene.moves[*k];
+                let op = &scene.passes.moves[*k];
                 // links across a row have their numbers behind those along
                 let passes = if op.form.band == Band::None { 1 } else { 2 };
                 let coefs = op.law.map_or(0, |law| law.coefs);

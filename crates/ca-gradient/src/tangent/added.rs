@@ -50,14 +50,14 @@ impl Changes<'_> {
         let of = |i: usize| {
             let [by_e, by_w] = links.basis.slopes(|k| column[number(coef[links.coef + k * links.n + i])]);
             let [slope, _] = links.basis.slopes(|k| own[links.coef + k * links.n + i]);
-            [by_e, by_w, slope * column[number(self.place.layout.e0[links.first + i])]]
+            [by_e, by_w, slope * column[number(self.place.layout.links.e0[links.first + i])]]
         };
         (0..links.n).map(of).collect()
     }
 
     /// What it adds to that on each mass, per d, x and d'.
     fn of_masses(&self, column: &[f64]) -> Vec<[f64; 3]> {
-        let (coef, own, n) = (&self.place.initial.coef, &self.scene.initial.coef, self.scene.layout.n_mat);
+        let (coef, own, n) = (&self.place.initial.coef, &self.scene.initial.coef, self.scene.layout.counts.n_mat);
         let of = |m: usize| {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
             let [by_p, by_q, by_c] = [0, 1, 2].map(|k| column[number(coef[k * n + m])]);
@@ -87,12 +87,12 @@ impl Changes<'_> {
     fn lists(&self, lists: Vec<Rows>) -> (Groups, Few) {
         let mut few = Few::new(self.columns.len());
         let of = |links: &Rows| {
-            let e0 = &self.scene.layout.e0[links.first..];
+            let e0 = &self.scene.layout.links.e0[links.first..];
             let on: Vec<On> = links.slots().zip(e0).map(|(slots, e0)| On::Link(slots, *e0)).collect();
             self.split(&mut few, &on, |column| self.of_links(links, column))
         };
         let many: Vec<Vec<Terms>> = lists.iter().map(of).collect();
-        let mut groups = Groups::new(lists, &self.scene.layout.e0);
+        let mut groups = Groups::new(lists, &self.scene.layout.links.e0);
         many.iter().enumerate().for_each(|(list, by)| groups.put(Some(list), by));
         (groups, few)
     }
@@ -104,23 +104,23 @@ impl Added {
     pub fn new(scene: &Scene, parts: &Parts, place: &Scene, columns: &[&[f64]], ticks: usize) -> Added {
         let changes = Changes { scene, place, columns, ticks };
         let mut first: Vec<Rows> =
-            parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.forces[*k], basis)).collect();
+            parts.linear.iter().map(|(k, basis)| Rows::listed(scene, &scene.passes.forces[*k], basis)).collect();
         let mut behind: Vec<Rows> =
-            parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.moves[*k], basis)).collect();
+            parts.rows.iter().flat_map(|(k, basis)| Rows::integrated(&scene.passes.moves[*k], basis)).collect();
         let read = !parts.summed.is_empty();
         if !read {
             first.append(&mut behind);
         }
         let (mut first, mut behind) = (changes.lists(first), changes.lists(behind));
         let of_masses = if read { &mut behind } else { &mut first };
-        let masses: Vec<On> = (0..scene.layout.n_mat).map(On::Mass).collect();
+        let masses: Vec<On> = (0..scene.layout.counts.n_mat).map(On::Mass).collect();
         let many = changes.split(&mut of_masses.1, &masses, |column| changes.of_masses(column));
         of_masses.0.put(None, &many);
         for (groups, _) in [&mut first, &mut behind] {
-            groups.begin(ticks, scene.layout.n_mat);
+            groups.begin(ticks, scene.layout.counts.n_mat);
         }
         let weighed = |column: &&[f64]| {
-            let ops = parts.weights.iter().map(|k| &scene.forces[*k]);
+            let ops = parts.weights.iter().map(|k| &scene.passes.forces[*k]);
             let each = ops.flat_map(|op| scene.layout.weighed[..op.n].iter().zip(op.coef..));
             let by = each.map(|(m, at)| (*m as usize, column[number(place.initial.coef[at])]));
             by.filter(|(_, v)| *v != 0.0).collect()

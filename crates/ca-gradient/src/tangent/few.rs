@@ -4,7 +4,7 @@
 //! from a long string gives nothing to all but two of them.
 
 use crate::parts::record::Row;
-use ca_core::numeric::Aligned;
+use ca_core::internal::numeric::Aligned;
 
 /// What a force is added to.
 #[derive(Clone, Copy)]

@@ -3,7 +3,7 @@
 use crate::parts::number;
 use crate::parts::outputs::{Listed, listed};
 use crate::parts::record::Row;
-use ca_core::op::layout::Tap;
+use ca_core::internal::op::layout::Tap;
 use ca_core::{Scene, State};
 
 /// An output whose gain some parameter changes.

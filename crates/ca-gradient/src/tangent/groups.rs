@@ -5,8 +5,8 @@
 
 use crate::parts::record::Row;
 use crate::parts::rows::Rows;
-use ca_core::numeric::Aligned;
-use ca_core::numeric::TANGENTS;
+use ca_core::TANGENTS;
+use ca_core::internal::numeric::Aligned;
 use pulp::{Arch, Simd};
 
 /// What is added, per number: to the force of a link per e, per w and by itself, or to that on a mass per d, x and d'; empty where

@@ -7,8 +7,7 @@ use crate::parts::alone::Port;
 use crate::parts::placed::Placed;
 use crate::parts::record::Row;
 use crate::parts::{Link, number};
-use ca_core::numeric::{Dual, TANGENTS};
-use ca_core::{Scene, State};
+use ca_core::{Dual, Scene, State, TANGENTS};
 
 /// A number of the state that a link reads: of a place or a motion that less that of a first end, where only their difference counts.
 enum Read {
@@ -142,8 +141,8 @@ impl Moving {
     pub fn add(&mut self, k: usize, q: usize, s: &mut State) {
         if self.idle[k] {
             // then memory is written anew
-            self.link.mem.iter().for_each(|m| s.mem[*m] = 0.0);
-            self.link.taps.iter().flatten().for_each(|t| s.tap[*t] = 0.0);
+            self.link.mem.iter().for_each(|m| s.links.mem[*m] = 0.0);
+            self.link.taps.iter().flatten().for_each(|t| s.links.tap[*t] = 0.0);
             return;
         }
         for (to, (_, read)) in self.room.iter_mut().zip(&self.reads) {
@@ -152,8 +151,8 @@ impl Moving {
                 Read::Place(at, first) => s.x[*at] - less(&s.x, first),
                 Read::Motion(at, first) => s.d[*at] - less(&s.d, first),
                 Read::Force(at) => s.f[*at],
-                Read::Memory(at) => s.mem[*at],
-                Read::Length(at) => s.lengths[*at],
+                Read::Memory(at) => s.links.mem[*at],
+                Read::Length(at) => s.links.lengths[*at],
             };
         }
         let (n, last) = (self.writes.len(), self.link.alone.shape.last);
@@ -163,9 +162,9 @@ impl Moving {
             match write {
                 Write::Force(at) if last => s.f[*at] = v,
                 Write::Force(at) => s.f[*at] += v,
-                Write::Memory(at) => s.mem[*at] = v,
-                Write::Length(at) => s.lengths[*at] = v,
-                Write::Tap(at) => s.tap[*at] = v,
+                Write::Memory(at) => s.links.mem[*at] = v,
+                Write::Length(at) => s.links.lengths[*at] = v,
+                Write::Tap(at) => s.links.tap[*at] = v,
             }
         }
     }

@@ -22,10 +22,10 @@ use crate::parts::small::Small;
 use crate::parts::{Link, Parts, number, unknown};
 use crate::played::diverged;
 use added::Added;
-use ca_core::numeric::Aligned;
-use ca_core::numeric::Dual;
-use ca_core::op::layout::Layout;
-use ca_core::{Scene, State};
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::state::empty;
+use ca_core::{Dual, Scene, State};
 use ca_io::perform::DIVERGED;
 use gains::Gains;
 use link::Moving;
@@ -50,7 +50,7 @@ impl Tangent {
     /// True where dual numbers for all of a tick would take longer.
     pub fn is_worth(scene: &Scene, parts: &Parts) -> bool {
         let alone: usize = parts.links.iter().chain(&parts.last).map(|l| l.members.len()).sum();
-        scene.layout.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
+        scene.layout.counts.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
     }
 
     /// The parts of a scene, if it has none that is not known here.
@@ -58,7 +58,7 @@ impl Tangent {
         let parts = Parts::of(scene).ok()?;
         let l = &scene.layout;
         let known = scene.before.is_none()
-            && l.moving_points.is_empty()
+            && l.places.moving_points.is_empty()
             && parts.modal.is_none()
             && parts.solves.is_empty()
             && parts.sets.is_empty()
@@ -69,8 +69,8 @@ impl Tangent {
     /// The scene with these `numbers`, if there are derivatives by no others than are known here.
     pub fn new(scene: &Scene, parts: Parts, dual: Scene<Dual>, numbers: Numbers) -> Option<Tangent> {
         let mut layout = scene.layout.clone();
-        layout.e0.fill(0.0);
-        layout.heard.iter_mut().for_each(|h| h.e0 = 0.0);
+        layout.links.e0.fill(0.0);
+        layout.out.heard.iter_mut().for_each(|h| h.e0 = 0.0);
         let tangent = Tangent { parts, dual, numbers, layout };
         tangent.knows_all(scene)?.then_some(tangent)
     }
@@ -85,23 +85,23 @@ impl Tangent {
             know(all);
         }
         // where masses rest is read by sets alone, and there are none
-        know(&l.rest);
-        know(&start.mem);
-        know(&start.lengths);
-        know(&start.coef[..3 * l.n_mat]);
+        know(&l.places.rest);
+        know(&start.links.mem);
+        know(&start.links.lengths);
+        know(&start.coef[..3 * l.counts.n_mat]);
         listed(scene).filter(|o| o.high_pass.is_none()).for_each(|o| know(&start.coef[o.gain..][..1]));
         for k in &self.parts.weights {
-            let op = &scene.forces[*k];
+            let op = &scene.passes.forces[*k];
             know(&start.coef[op.coef..][..op.n]);
         }
         // of links that are heard not only the passes read these
-        let sums = self.parts.linear.iter().map(|(k, _)| &scene.forces[*k]).filter(|op| !op.form.tap);
-        let heard = |op: &&ca_core::op::Op| l.heard.is_empty() || op.law.is_none();
-        let rows = self.parts.rows.iter().map(|(k, _)| &scene.moves[*k]).filter(heard);
+        let sums = self.parts.linear.iter().map(|(k, _)| &scene.passes.forces[*k]).filter(|op| !op.form.tap);
+        let heard = |op: &&ca_core::internal::op::Op| l.out.heard.is_empty() || op.law.is_none();
+        let rows = self.parts.rows.iter().map(|(k, _)| &scene.passes.moves[*k]).filter(heard);
         for op in sums.chain(rows) {
-            let passes = if op.form.band == ca_core::op::Band::None { 1 } else { 2 };
+            let passes = if op.form.band == ca_core::internal::op::Band::None { 1 } else { 2 };
             know(&start.coef[op.coef..][..op.law?.coefs * op.n * passes]);
-            know(&l.e0[op.first..][..op.n * passes]);
+            know(&l.links.e0[op.first..][..op.n * passes]);
         }
         for link in self.parts.links.iter().chain(&self.parts.last) {
             let link = Placed::new(scene, link, &self.dual, place)?;
@@ -126,7 +126,7 @@ impl Tangent {
         let gains = Gains::new(scene, place, &columns);
         let one = |link: &Link| {
             let found = Moving::new(scene, link, &self.dual, place, &columns, TICKS);
-            found.ok_or_else(|| Error::Refused(unknown(&scene.forces[link.op()])))
+            found.ok_or_else(|| Error::Refused(unknown(&scene.passes.forces[link.op()])))
         };
         let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
         let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);
@@ -136,8 +136,9 @@ impl Tangent {
         let mut coefs = scene.initial.coef.clone();
         let mut record = Record::new(scene, &self.parts, TICKS, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
-        let mut sample = State::<Dual> { output: vec![Dual::default(); scene.n_out], ..Default::default() };
-        let mut outputs = vec![vec![Dual::default(); scene.n_out]; TICKS];
+        let mut sample = empty::<Dual>();
+        sample.output = vec![Dual::default(); scene.counts.n_out];
+        let mut outputs = vec![vec![Dual::default(); scene.counts.n_out]; TICKS];
         for first in (0..frames).step_by(TICKS) {
             let ticks = TICKS.min(frames - first);
             let given = &given[first * inputs..][..ticks * inputs];
@@ -174,9 +175,9 @@ impl Tangent {
                     for l in &mut last {
                         l.add(k, q, a);
                     }
-                    for op in &scene.writes {
+                    for op in &scene.passes.writes {
                         (op.kernel)(op, &self.layout, a);
-                        if !gains.is_idle() && op.name == "outputs" {
+                        if !gains.is_idle() && op.name() == "outputs" {
                             gains.add(&record.row(k), q, a);
                         }
                     }
@@ -210,8 +211,8 @@ fn started(scene: &Scene, place: &Scene, column: &[f64]) -> State {
     };
     put(&mut a.x, &start.x);
     put(&mut a.d, &start.d);
-    put(&mut a.mem, &start.mem);
-    put(&mut a.lengths, &start.lengths);
+    put(&mut a.links.mem, &start.links.mem);
+    put(&mut a.links.lengths, &start.links.lengths);
     a.coef = Aligned::default();
     a.f.fill(0.0);
     a

@@ -6,7 +6,7 @@
 use crate::reference::{apart, column, difference, played, read, tangents};
 use crate::reverse::both_ways;
 use ca_gradient::Forward;
-use cordis_anima::ca_core::kind::Type;
+use cordis_anima::ca_core::Type;
 use cordis_anima::ca_model::{Value, quantity};
 use cordis_anima::{Loaded, Options, catalog};
 
@@ -30,7 +30,7 @@ pub fn drawn(loaded: &mut Loaded, draw: &mut Draw) -> Vec<String> {
         let Some(kind) = kinds.get(&item.kind) else { continue };
         for e in &mut item.args {
             let Some(param) = kind.param(&e.key).map(|i| &kind.params[i]) else { continue };
-            let exponent = |p: &cordis_anima::ca_core::kind::Param| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name);
+            let exponent = |p: &cordis_anima::ca_core::Param| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name);
             if kind.params.iter().any(exponent) {
                 continue;
             }

@@ -5,7 +5,7 @@ use crate::closed::{D, c, oscillator};
 use crate::drawn::{Draw, METHODS, drawn};
 use crate::reference::{WEIGHTS, apart, links, played, read, with};
 use ca_gradient::{ACCOUNTS, Energy, EnergyTangents, Parameter};
-use cordis_anima::ca_core::state::Balance;
+use cordis_anima::ca_core::Balance;
 use cordis_anima::ca_io::perform::Performance;
 use cordis_anima::{Loaded, Options, catalog};
 

@@ -5,7 +5,7 @@
 //! in the same ticks: where a contact closes a tick later, two renders have no difference but a jump.
 
 use ca_gradient::{Forward, Parameter, Tangents};
-use cordis_anima::ca_core::scene::Location;
+use cordis_anima::ca_core::Location;
 use cordis_anima::ca_io::perform::Performance;
 use cordis_anima::ca_model::{Entry, Value};
 use cordis_anima::{Loaded, Options, Scene};
@@ -79,7 +79,7 @@ pub fn played(loaded: &Loaded, links: &[String], ticks: usize) -> Played {
     let (mut output, mut acts) = (Vec::new(), Vec::new());
     for _ in 0..ticks {
         p.tick();
-        let (sound, forces) = p.state.output.split_at(scene.channels);
+        let (sound, forces) = p.state.output.split_at(scene.counts.channels);
         output.extend_from_slice(sound);
         acts.extend(forces.iter().map(|f| *f != 0.0));
     }

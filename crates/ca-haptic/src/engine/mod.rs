@@ -27,8 +27,8 @@ pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::input::FrameVerdict;
-use ca_core::live::Patch;
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::internal::state::scene_of;
+use ca_core::{Patch, Scene, State, compute_forces, integrate};
 use sound::PeakLimit;
 use std::sync::Arc;
 use touch::Hands;
@@ -141,8 +141,8 @@ impl Engine {
     /// An engine at rest. Devices and scene have been matched by [`Port::new`].
     pub fn new(scene: Arc<Scene>, ports: Vec<Port>, options: Options) -> Engine {
         let state = scene.state();
-        let channels = scene.channels;
-        let sound = vec![0.0; scene.ratio as usize * channels];
+        let channels = scene.counts.channels;
+        let sound = vec![0.0; scene.rates.ratio as usize * channels];
         let peak_limit = PeakLimit::new(channels, scene.rate);
         let hands = Hands::new(&scene);
         let mut engine = Engine {
@@ -190,7 +190,7 @@ impl Engine {
         match act {
             EngineCommand::Set(change) => {
                 // at once where nothing has sounded yet
-                let ticks = if self.state.tick == 0 { 1 } else { self.scene.frame };
+                let ticks = if self.state.tick == 0 { 1 } else { self.scene.rates.frame };
                 for patch in &change.patches {
                     if !self.state.apply(patch, ticks) {
                         self.counts.refused += 1;
@@ -206,7 +206,7 @@ impl Engine {
                 },
             },
             EngineCommand::Reload(mut state) => {
-                if state.scene == self.scene.identity() {
+                if scene_of(&state) == self.scene.identity() {
                     // the tick goes on: it says which phase of a frame comes, and numbers the frames of a take
                     state.tick = self.state.tick;
                     core::mem::swap(&mut self.state, &mut state);
@@ -269,7 +269,7 @@ impl Engine {
         let silent = |input: usize| !ports.iter().any(|p| p.speaks_for(input));
         self.hands.frame(&self.scene, &mut self.state, silent);
         self.filled = 0;
-        let ticks = if first { 1 } else { self.scene.ratio };
+        let ticks = if first { 1 } else { self.scene.rates.ratio };
         for j in 1..=ticks {
             if j > 1 && !self.diverged {
                 self.advance();
@@ -322,7 +322,7 @@ impl Engine {
     /// One tick up to its outputs. No `ca_io::player::Player`: hands and pointers move between its halves, the limit of positions is an
     /// option, and time goes on after a divergence so that frames keep their numbers.
     fn sample(&mut self) {
-        let n = self.scene.channels;
+        let n = self.scene.counts.channels;
         if self.diverged {
             self.state.output.fill(0.0);
             // the tick of the frame's last sample moves in `finish`

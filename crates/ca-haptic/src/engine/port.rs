@@ -7,8 +7,8 @@ use crate::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use crate::guard::input::{FrameVerdict, InputValidator};
 use crate::guard::{Chain, GuardFrame};
 use crate::profile::Profile;
-use ca_core::scene::{Coupling, InputRole};
-use ca_core::{Scene, State};
+use ca_core::internal::scene::Coupling;
+use ca_core::{InputRole, Scene, State};
 
 /// A degree of freedom of a device, and the port of the scene it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Link {
     pub dof: usize,
     /// place in [`State::input`]
     pub input: usize,
-    /// place in [`State::border`]
+    /// place in [`PortState::border`](ca_core::internal::state::PortState::border)
     pub border: usize,
     /// between the real and the simulated world
     pub gains: Gains,
@@ -72,24 +72,24 @@ pub struct Port {
 /// Keys of a device that are coupled in this scene, with what is felt of them in the hand \[N/m\].
 pub fn coupled<'s>(scene: &'s Scene, device: &str) -> Vec<(&'s str, f64)> {
     let of = |c: &'s Coupling| {
-        scene.tgr.iter().find_map(|p| {
+        scene.ports.tgr.iter().find_map(|p| {
             let input = &scene.inputs[p.input as usize];
             let mine = input.device.as_ref().is_some_and(|d| d.0 == device);
             let same = mine && scene.mat_name(p.mat as usize) == c.port;
             same.then(|| (c.port.as_str(), c.felt * input.gains.stiffness()))
         })
     };
-    scene.couplings.iter().filter_map(of).collect()
+    scene.hand.couplings.iter().filter_map(of).collect()
 }
 
 impl Port {
     /// The port of a device, with the inputs of `scene` that name it.
     pub fn new(scene: &Scene, setup: Setup) -> Port {
-        let frame_dt = f64::from(scene.ratio) * scene.sample_dt;
+        let frame_dt = f64::from(scene.rates.ratio) * scene.rates.sample_dt;
         let Setup { device, profile, calibration, gains } = setup;
         let n = profile.dof as usize;
         let mut links = Vec::new();
-        for (border, p) in scene.tgr.iter().enumerate() {
+        for (border, p) in scene.ports.tgr.iter().enumerate() {
             let input = p.input as usize;
             let i = &scene.inputs[input];
             if i.role != InputRole::Device {
@@ -186,11 +186,11 @@ impl Port {
         hand.flags = self.flags;
         hand.inject = 0.0;
         for (l, last) in self.links.iter().zip(&mut self.last) {
-            let b = &state.border[l.border];
+            let b = &state.ports.border[l.border];
             // +β · force on the port, which is that on the hand (docs/numerics.md §6); several ports of one DOF add
             hand.force[l.dof] += l.gains.beta * b.force;
             // at one rate the force is that of a tick, and power is exact by the mean of two (docs/numerics.md §5.1)
-            let mean = if scene.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
+            let mean = if scene.rates.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
             *last = b.force;
             hand.mean[l.dof] += l.gains.beta * mean;
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);

@@ -9,10 +9,9 @@
 use super::port::{Port, Setup};
 use super::touch::Hands;
 use crate::guard::Order;
-use ca_core::border::group;
-use ca_core::op::layout::SlowGroup;
-use ca_core::scene::{InputRole, Location};
-use ca_core::{Scene, State, compute_forces, integrate};
+use ca_core::internal::border::group;
+use ca_core::internal::op::layout::SlowGroup;
+use ca_core::{InputRole, Location, Scene, State, compute_forces, integrate};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -73,7 +72,7 @@ fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] 
             let all = g.ports.iter().chain(&g.shown).enumerate();
             all.map(|(i, p)| (p.at, (p.own, held(i)))).collect::<Vec<_>>()
         };
-        scene.slow.iter().flat_map(of).collect()
+        scene.rates.slow.iter().flat_map(of).collect()
     };
     let (before, now) = (own(old), own(scene));
     let both: Vec<_> = carried.iter().filter_map(|[from, to]| Some([*before.get(from)?, *now.get(to)?])).collect();
@@ -84,7 +83,7 @@ fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] 
 /// First place and axes of each MAT, by name.
 fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
     let mats = (0..scene.mats()).filter_map(|i| scene.symbols.get(i));
-    let place = |s: ca_core::scene::Symbol| {
+    let place = |s: ca_core::Symbol| {
         let Location::Mat(place) = s.location else { return None };
         Some((s.name.to_string(), (place, if s.axes > 1 { 3 } else { 1 })))
     };
@@ -104,16 +103,16 @@ impl Swap {
         (number, anew): (u32, bool),
     ) -> Result<Swap, String> {
         let differs = |what: &str| Err(format!("{what} cannot change while it plays; end it, and start it again"));
-        if (old.rate, old.ratio) != (scene.rate, scene.ratio) {
+        if (old.rate, old.rates.ratio) != (scene.rate, scene.rates.ratio) {
             return differs("the rates");
         }
-        if old.channel_names != scene.channel_names {
+        if old.names.channel_names != scene.names.channel_names {
             return differs("the outputs");
         }
         if devices(old) != devices(&scene) {
             return differs("the devices");
         }
-        let same = |i: &ca_core::scene::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
+        let same = |i: &ca_core::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
         let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();
@@ -144,7 +143,7 @@ impl Swap {
                 let (from, to) = (*from as usize, *to as usize);
                 (next.state.x[to], next.state.d[to]) = (state.x[from], state.d[from]);
             }
-            let own = (state.slow.as_deref(), next.state.slow.as_deref_mut(), next.scene.slow.as_deref());
+            let own = (state.slow.as_deref(), next.state.slow.as_deref_mut(), next.scene.rates.slow.as_deref());
             if let (Some(old), Some(slow), Some(group)) = own {
                 for [from, to] in &next.slow {
                     let (from, to) = (*from as usize, *to as usize);
@@ -162,7 +161,7 @@ impl Swap {
             }
             for [from, to] in &next.inputs {
                 next.state.input[*to as usize] = state.input[*from as usize];
-                next.state.last_input[*to as usize] = state.last_input[*from as usize];
+                next.state.ports.last_input[*to as usize] = state.ports.last_input[*from as usize];
             }
         } else {
             next.left = 0;

@@ -8,8 +8,7 @@
 //! gesture are the recorder's, which knows what else was set: they come as changes.
 
 use ca_core::pointer::Pointer;
-use ca_core::scene::InputRole;
-use ca_core::{Scene, State};
+use ca_core::{InputRole, Scene, State};
 use ca_io::gesture::{Track, own};
 
 /// Time a port takes to where a slider sends it \[s\]: that of a page speaks 60 times a second.
@@ -129,7 +128,7 @@ pub struct OwnGesture {
 impl OwnGesture {
     /// Of a scene; `None` where the model brings none.
     pub fn new(scene: &Scene) -> Option<OwnGesture> {
-        if scene.gestures.is_empty() {
+        if scene.about.gestures.is_empty() {
             return None;
         }
         let driven = own(scene).flatten().filter_map(|track| {
@@ -137,7 +136,7 @@ impl OwnGesture {
             Some(Driven { input, role: scene.inputs[input].role, track, near: 0, from: 0.0 })
         });
         let driven = driven.collect();
-        Some(OwnGesture { driven, start: 0, lead: lead(scene), sample_dt: scene.sample_dt, over: false })
+        Some(OwnGesture { driven, start: 0, lead: lead(scene), sample_dt: scene.rates.sample_dt, over: false })
     }
 
     fn begin(&mut self, state: &State) {
@@ -265,12 +264,12 @@ impl Hands {
                 g.left = 0;
                 continue;
             }
-            g.turn(&mut state.input, scene.ratio);
+            g.turn(&mut state.input, scene.rates.ratio);
         }
         self.glides.retain(|g| g.left > 0 || !is_device(g.input));
         if let Some(own) = &mut self.own {
             // at a frame it is read where the frame ends, as everywhere
-            let end = state.tick + if state.tick == 0 { 0 } else { u64::from(scene.ratio) - 1 };
+            let end = state.tick + if state.tick == 0 { 0 } else { u64::from(scene.rates.ratio) - 1 };
             own.drive(end, &mut state.input, |role, input| role == InputRole::Device && silent(input));
         }
     }

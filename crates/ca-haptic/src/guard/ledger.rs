@@ -3,7 +3,7 @@
 //! Decides to write three sums rather than their differences, each exact (docs/numerics.md §5.3): what the model
 //! received by the mean force of each frame, what the hand would have given had the model's force been sent, and what
 //! it gave to the force that was sent. The first two are the ledger of the scene
-//! ([`Exchange`](ca_core::state::Exchange)) times β/α; the guard's own share is a line of its own, their difference to
+//! ([`Exchange`](ca_core::internal::state::Exchange)) times β/α; the guard's own share is a line of its own, their difference to
 //! the third.
 
 use super::GuardFrame;

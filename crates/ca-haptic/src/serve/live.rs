@@ -125,7 +125,7 @@ pub struct RecordIntervals {
 impl Live {
     /// Ready to run.
     pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: RecordIntervals) -> Live {
-        let waits = (WAITS * engine.scene.rate / f64::from(engine.scene.ratio)).max(1.0) as u64;
+        let waits = (WAITS * engine.scene.rate / f64::from(engine.scene.rates.ratio)).max(1.0) as u64;
         Live { engine, rings, shared, clock, every, waiting: None, missing: 0, waits }
     }
 
@@ -134,7 +134,7 @@ impl Live {
     #[cfg(feature = "system")]
     pub fn run(mut self, frames: Option<u64>) -> Engine {
         let scene = &self.engine.scene;
-        let period = f64::from(scene.ratio) * scene.sample_dt;
+        let period = f64::from(scene.rates.ratio) * scene.rates.sample_dt;
         let (mut pace, mut waits) = (Pace::new(period), Waits::default());
         // on the clock of a device no time is due: what tells of a stall is how long nobody looked
         let (mut left, mut looked) = (frames, now_ns());

@@ -74,20 +74,20 @@ const COMMANDS: usize = 1024;
 
 /// Numbers of a picture: displacements and motion, and the head.
 fn picture(scene: &Scene) -> usize {
-    2 * scene.n_mat + 2
+    2 * scene.counts.n_mat + 2
 }
 
 /// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
 /// `audio::link`, by way of `audio::outlet`.
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
-    let rate = scene.rate / f64::from(scene.ratio);
+    let rate = scene.rate / f64::from(scene.rates.ratio);
     let frames = (AWAY * rate) as usize;
     // the gateway is never away: a device that sends in bursts, or one that is suspended and comes back
     let (frames_in, frames_out) = RingBuffer::new(64 * devices.max(1));
     let (forces_in, forces_out) = RingBuffer::new(64 * devices.max(1));
     let (acts_in, acts_out) = RingBuffer::new(COMMANDS);
     let (records_in, records_out) = RingBuffer::new(frames * (2 * devices + 1) + 256);
-    let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.channels + 2 * frames);
+    let (sound_in, sound_out) = RingBuffer::new((AWAY * scene.rate) as usize * scene.counts.channels + 2 * frames);
     let (beats_in, beats_out) = RingBuffer::new(frames);
     let (views_in, views_out) = if pictures > 0 {
         let places = picture(scene);

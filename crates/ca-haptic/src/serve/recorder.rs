@@ -15,8 +15,7 @@ use crate::guard::Order;
 use crate::record::Record;
 use crate::stats::Times;
 use crate::version::Version;
-use ca_core::Scene;
-use ca_core::live::Controls;
+use ca_core::{Controls, Scene};
 use ca_io::FileError;
 use seen::Seen;
 use std::sync::Arc;
@@ -85,7 +84,7 @@ impl Recorder {
             second: Second::default(),
             frames: 0,
             tick: 0,
-            rate: ((scene.rate / f64::from(scene.ratio)).round() as u64).max(1),
+            rate: ((scene.rate / f64::from(scene.rates.ratio)).round() as u64).max(1),
             faults: Vec::new(),
             notices: Vec::new(),
             block: Vec::new(),
@@ -190,7 +189,7 @@ impl Recorder {
         self.frames += 1;
         if self.seen.is_empty() {
             // nobody is sent a force that says how far it is
-            self.tick = (self.frames - 1) * u64::from(self.scene.ratio);
+            self.tick = (self.frames - 1) * u64::from(self.scene.rates.ratio);
         }
         self.frame_times.add(timing.took);
         self.late_times.add(timing.start.late);
@@ -198,7 +197,7 @@ impl Recorder {
         self.second.late.add(timing.start.late);
         self.second.took += timing.took;
         if self.frames.is_multiple_of(self.rate) {
-            let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.ratio));
+            let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.rates.ratio));
             let audio = self.audio.as_ref().map(Watch::summary);
             let snapshot = StatsSnapshot {
                 tick: self.tick,
@@ -367,12 +366,12 @@ impl Recorder {
 
     /// The account, once the engine has ended.
     pub fn summary(&mut self, engine: &Engine, granted: Vec<(String, String)>) -> Summary {
-        let (s, ratio) = (&self.shared, u64::from(self.scene.ratio));
+        let (s, ratio) = (&self.shared, u64::from(self.scene.rates.ratio));
         let [lost_records, lost_sound, lost_views] = self.left_out();
         Summary {
             seconds: engine.state.tick as f64 / self.scene.rate,
             frames: engine.counts.frames,
-            period_us: 1e6 * f64::from(self.scene.ratio) * self.scene.sample_dt,
+            period_us: 1e6 * f64::from(self.scene.rates.ratio) * self.scene.rates.sample_dt,
             frame_us: self.frame_times.percentiles(),
             late_us: self.late_times.percentiles(),
             missed: self.shared.missed.load(Relaxed),

@@ -6,7 +6,7 @@
 //! is for people who export a topic.
 
 use crate::engine::Change;
-use ca_core::live::Patch;
+use ca_core::Patch;
 use ca_io::error::FileError;
 use zerocopy::{FromBytes, Immutable, IntoBytes};
 

@@ -2,7 +2,7 @@
 //!
 //! A take holds the numbers themselves: a later version may choose other couplings, and a take has to replay as it was played.
 
-use ca_core::scene::Coupling;
+use ca_core::internal::scene::Coupling;
 
 /// JSON: of each coupling the name of its port, and its numbers in the shortest digits that read back as they were.
 pub(super) fn write(couplings: &[Coupling]) -> String {

@@ -5,7 +5,7 @@
 //! fields and types, so they cannot differ; a structure with padding does not compile.
 
 use crate::engine::{GLIDE, Touched};
-use ca_core::state::Balance;
+use ca_core::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// The word of ROS 2 for a type.

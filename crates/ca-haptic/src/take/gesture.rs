@@ -9,8 +9,7 @@
 use super::read::{Event, Take};
 use super::replay::Replay;
 use crate::version;
-use ca_core::scene::{Input, InputRole};
-use ca_core::{Catalog, Scene};
+use ca_core::{Catalog, Input, InputRole, Scene};
 use ca_io::error::FileError;
 use ca_io::gesture::{Gesture, Track};
 use std::path::Path;
@@ -58,7 +57,7 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
         let e = FileError::content(what).file(path.display());
         return Err(e.fix("`ca log export` gives the frames that are there"));
     }
-    let rate = scene.rate / f64::from(scene.ratio);
+    let rate = scene.rate / f64::from(scene.rates.ratio);
     let mut tracks = Vec::new();
     for (samples, name) in seen.into_iter().zip(ports) {
         tracks.push(Track::sampled(name, rate, samples).map_err(|e| e.file(path.display()))?);
@@ -87,7 +86,7 @@ fn steps(take: &Take, first: &Arc<Scene>, catalog: &Catalog) -> Result<Vec<Track
             }
             _ => continue,
         };
-        let t = tick as f64 * first.sample_dt;
+        let t = tick as f64 * first.rates.sample_dt;
         for (points, param) in curves.iter_mut().zip(&first.live.params) {
             let last = points[points.len() - 1].1;
             let new = new.iter().rfind(|n| n.0 == param.name).map(|n| n.1);

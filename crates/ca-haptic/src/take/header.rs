@@ -17,7 +17,8 @@ use crate::equivalence::Gains;
 use crate::profile::Profile;
 use crate::version::ModelText;
 use ca_compile::{Compiled, KernelClass, Options};
-use ca_core::kind::cloud::Clouds;
+use ca_core::internal::kind::cloud::Clouds;
+use ca_core::internal::scene::same_since;
 use ca_core::{ARITHMETIC, Catalog, Scene};
 use ca_io::cloud;
 use ca_io::error::FileError;
@@ -97,7 +98,7 @@ impl Header {
             ("cpus", cpus.to_string()),
         ];
         Header {
-            title: scene.title.clone(),
+            title: scene.about.title.clone(),
             file,
             text,
             changes,
@@ -107,8 +108,8 @@ impl Header {
             setups,
             engine,
             rate: scene.rate,
-            ratio: scene.ratio,
-            channels: scene.channel_names.clone(),
+            ratio: scene.rates.ratio,
+            channels: scene.names.channel_names.clone(),
             start: scene.state().bits(),
             arithmetic: ARITHMETIC,
             began_ns: since.as_nanos() as u64,
@@ -157,7 +158,7 @@ impl Header {
         })?;
         let scene = &compiled.scene;
         let others = self.is_exact(scene) && scene.state().bits() != self.start;
-        if (scene.rate, scene.ratio) != (self.rate, self.ratio) || others {
+        if (scene.rate, scene.rates.ratio) != (self.rate, self.ratio) || others {
             return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
         }
         Ok(compiled)
@@ -174,7 +175,7 @@ impl Header {
 
     /// True where `scene`, compiled from it, plays the same bits here: its arithmetic is this one, or rounds it alike.
     pub fn is_exact(&self, scene: &Scene) -> bool {
-        (scene.same_since()..=ARITHMETIC).contains(&self.arithmetic)
+        (same_since(scene)..=ARITHMETIC).contains(&self.arithmetic)
     }
 
     /// The engine that played it, at rest.
@@ -353,8 +354,8 @@ mod tests {
     use super::*;
     use crate::calibration::Axis;
     use crate::profile::SHIPPED;
-    use ca_core::kind::cloud::Cloud;
-    use ca_core::scene::Coupling;
+    use ca_core::internal::kind::cloud::Cloud;
+    use ca_core::internal::scene::Coupling;
     use ca_model::read;
 
     #[test]

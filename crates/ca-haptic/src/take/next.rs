@@ -5,8 +5,8 @@
 
 use super::{cdr, couplings};
 use crate::version::{ModelText, Version};
-use ca_core::kind::cloud::Clouds;
-use ca_core::scene::Coupling;
+use ca_core::internal::kind::cloud::Clouds;
+use ca_core::internal::scene::Coupling;
 use ca_io::cloud;
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -19,6 +19,7 @@ use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup, Swap};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::version;
 use ca_core::Catalog;
+use ca_core::internal::state::shape;
 use ca_io::error::FileError;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -71,7 +72,7 @@ impl Replay {
             loose,
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
-            channels: engine.scene.channels,
+            channels: engine.scene.counts.channels,
             verdict: ReplayVerdict { tolerance, versions: 1, ..ReplayVerdict::default() },
             made: engine.ports.iter().map(|_| VecDeque::new()).collect(),
             sound: VecDeque::new(),
@@ -183,7 +184,7 @@ impl Replay {
                 None
             }
             Event::Reload(r) => {
-                let mine = self.engine.state.shape().map(|n| n as u32);
+                let mine = shape(&self.engine.state).map(|n| n as u32);
                 if mine == [r.places, r.coefs] {
                     let fresh = Box::new(self.engine.scene.state());
                     match self.engine.command(EngineCommand::Reload(fresh)) {

@@ -21,6 +21,7 @@ use crate::guard::Order;
 use crate::record::Record;
 use crate::version::Version;
 use ca_core::Scene;
+use ca_core::internal::state::shape;
 use ca_io::atomic_file::new_file;
 use ca_io::error::{FileError, FileErrorKind};
 use channels::{DeviceChannels, Ids};
@@ -171,7 +172,7 @@ impl TakeWriter {
             }
             Record::Retired { tick, retired: Retired::State(ref old) } => {
                 self.tick = tick;
-                let [places, coefs] = old.shape().map(|n| n as u32);
+                let [places, coefs] = shape(&old).map(|n| n as u32);
                 cdr::body(&mut self.data, &Reloaded { tick, bits: old.bits(), places, coefs });
                 self.put(self.ids.reload, tick)?;
                 self.log(tick, Level::Info, "scene", "put back to its state at load")

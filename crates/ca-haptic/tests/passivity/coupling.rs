@@ -135,13 +135,13 @@ fn a_key_that_is_held_has_no_trace_of_a_coupling() {
     let p = e02(true);
     for text in [wall(2.69e3, 0.0), wall_at(1000, 0.89e3, 0.0)] {
         let (plain, same) = (scene(&text), met(&text, &p));
-        assert_eq!((plain.identity(), same.couplings.len()), (same.identity(), 0));
+        assert_eq!((plain.identity(), same.hand.couplings.len()), (same.identity(), 0));
     }
     let mut own = p.clone();
     own.guard.coupling = false;
-    assert!(met(&wall(2e4, 0.0), &own).couplings.is_empty(), "not wanted");
+    assert!(met(&wall(2e4, 0.0), &own).hand.couplings.is_empty(), "not wanted");
     let deaf = format!("[rate]\nfeedback = false\n{}", wall(2e4, 0.0));
-    assert!(met(&deaf, &p).couplings.is_empty(), "no force");
+    assert!(met(&deaf, &p).hand.couplings.is_empty(), "no force");
 }
 
 /// With the device's own step and noise, and hands of all kinds.
@@ -241,7 +241,7 @@ fn pressed(p: &Profile, fades: bool) -> (Rig, Arc<Scene>, ForceFrame) {
 /// Another version of the model plays, with a wall that the device cannot hold.
 fn edited(rig: &mut Rig, scene: &Scene, p: &Profile) {
     let next = met(&wall(2e4, 0.0), p);
-    assert_eq!(next.couplings.len(), 1);
+    assert_eq!(next.hand.couplings.len(), 1);
     let setups = [setup(&next, p)];
     let swap = Swap::new(scene, next.clone(), next.state(), &setups, (1, false)).expect("it fits");
     rig.engine.command(EngineCommand::Swap(Box::new(swap)));
@@ -321,8 +321,8 @@ fn the_ledger_of_a_coupled_key_closes() {
     }
     let ledger = rig.engine.state.ledger.as_ref().expect("a ledger");
     let b = ledger.balance();
-    assert!(ledger.peak > 5e-4 && b.lost > 1e-4, "something happened: {b:?}");
-    assert!(b.residual.abs() < 1e-9 * ledger.peak, "{b:?}");
+    assert!(ledger.extremes.peak > 5e-4 && b.lost > 1e-4, "something happened: {b:?}");
+    assert!(b.residual.abs() < 1e-9 * ledger.extremes.peak, "{b:?}");
     let hand = &ledger.hands[0];
     assert!(hand.received > 0.0, "{hand:?}");
 }

@@ -5,7 +5,7 @@
 
 use ca_compile::{Compiled, Options as Compile, compile};
 use ca_core::Scene;
-use ca_core::border::{Delays, delays};
+use ca_core::internal::border::{Delays, delays};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::coupling::meet;
 use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
@@ -210,7 +210,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
     let mut sent = vec![[[0.0; 3]; 2]];
     let (mut begun, mut seen) = (
         None,
-        Seen { rms: 0.0, most: 0.0, paid: 0.0, flags: 0, share, out: 0.0, softened: !scene.couplings.is_empty() },
+        Seen { rms: 0.0, most: 0.0, paid: 0.0, flags: 0, share, out: 0.0, softened: !scene.hand.couplings.is_empty() },
     );
     let (mut work, mut out) = (0.0f64, 0.0f64);
     let frames = (seconds / frame_dt) as u64;
@@ -348,7 +348,7 @@ struct Loop {
 
 impl Loop {
     fn new(scene: &Arc<Scene>, p: &Profile, delay: usize) -> Loop {
-        let frame_dt = f64::from(scene.ratio) * scene.sample_dt;
+        let frame_dt = f64::from(scene.rates.ratio) * scene.rates.sample_dt;
         let mut rig = Rig::new(scene, "key", p.clone());
         let on = (0..9000).find(|n| Mode::read(rig.go(Some(&[0.0]), *n).mode) == Mode::On);
         let sent = vec![0.0; on.expect("forces on") as usize + 2];
@@ -388,7 +388,7 @@ fn h12_a_pressed_wall_swings_nowhere_more_than_without_the_stage() {
     for k in [3.0, 5.5, 8.0, 12.0, 20.0, 40.0] {
         let text = wall(1e3 * k, 0.0);
         let (stiff, soft) = (scene(&text), met(&text, &e02(true)));
-        assert!(!soft.couplings.is_empty(), "2.7 kN/m are held");
+        assert!(!soft.hand.couplings.is_empty(), "2.7 kN/m are held");
         let mut row = format!("| {k} |");
         for delay in [1, 2] {
             let s = [(&stiff, false), (&stiff, true), (&soft, true)].map(|(scene, stage)| swing(scene, stage, delay));

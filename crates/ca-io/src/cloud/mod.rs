@@ -11,9 +11,8 @@ mod ply;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::reading;
-use ca_core::Catalog;
-use ca_core::kind::Type;
-use ca_core::kind::cloud::{Cloud, Clouds, Unread};
+use ca_core::internal::kind::cloud::{Cloud, Clouds, Unread};
+use ca_core::{Catalog, Type};
 use ca_model::LARGEST;
 use ca_model::Model;
 use ca_model::Value;

@@ -17,7 +17,7 @@ use super::track::too_long;
 use super::{Gesture, LONGEST, Track};
 use crate::error::{FileError, FileErrorKind, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
-use ca_core::numeric::Plain;
+use ca_core::internal::numeric::Plain;
 
 /// Reads a CSV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {

@@ -14,8 +14,8 @@ use super::midi_port::{Glide, MidiPort, Motion};
 use super::smf::{self, Event};
 use super::{Gesture, PortMap, Track};
 use crate::error::FileError;
-use ca_core::io::midi::{MidiMap, MidiSource};
-use ca_core::numeric::Plain;
+use ca_core::internal::io::midi::{MidiMap, MidiSource};
+use ca_core::internal::numeric::Plain;
 use midly::MidiMessage;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 

@@ -8,7 +8,7 @@
 //! by that controller itself. A port that the pedal alone holds comes up before the next note: it could not be struck where it is.
 
 use super::PortMap;
-use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
+use ca_core::internal::io::midi::{MidiMap, MidiSource, Velocity};
 use midly::MidiMessage;
 
 /// Controllers that mean the same in every model.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::error::FileErrorKind;
-use ca_core::io::midi::Velocity;
+use ca_core::internal::io::midi::Velocity;
 
 /// A file of this format and timing, each track given as (delta, bytes of the event) without its end.
 fn file(format: u16, timing: u16, tracks: &[&[(u32, &[u8])]]) -> Vec<u8> {

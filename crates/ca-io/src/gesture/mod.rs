@@ -16,9 +16,8 @@
 use crate::error::{FileError, shown};
 #[cfg(feature = "files")]
 use crate::{error::FileErrorKind, reading};
-use ca_core::Scene;
-use ca_core::io::midi::MidiMap;
-use ca_core::scene::Input;
+use ca_core::internal::io::midi::MidiMap;
+use ca_core::{Input, Scene};
 use std::path::Path;
 
 #[cfg(feature = "files")]
@@ -208,6 +207,7 @@ impl Gesture {
 /// The tracks of the gesture that a scene brings along; an error for one that is not a curve over time.
 pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
     scene
+        .about
         .gestures
         .iter()
         .map(|(name, points)| Track::points(name.clone(), points.iter().map(|p| (p[0], p[1])).collect()))

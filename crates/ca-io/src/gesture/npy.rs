@@ -12,7 +12,7 @@
 
 use super::{Gesture, Track, check_rate};
 use crate::error::{FileError, FileErrorKind, lower, shown};
-use ca_core::numeric::Plain;
+use ca_core::internal::numeric::Plain;
 use half::f16;
 use npyz::{DType, Deserialize, NpyHeader, Order, TypeChar, TypeRead as _};
 

@@ -8,7 +8,7 @@
 //! Values and times are finite by construction, and so is everything in between: bad input never reaches a model.
 
 use crate::error::FileError;
-use ca_core::numeric::Plain;
+use ca_core::internal::numeric::Plain;
 
 /// Longest time that a gesture may have, either side of zero \[s\]: a day, as long as a performance is asked to last at most.
 pub const LONGEST: f64 = 86_400.0;

@@ -118,7 +118,7 @@ impl LiveMidi {
 mod tests {
     use super::*;
     use crate::gesture::Glide;
-    use ca_core::io::midi::{MidiMap, MidiSource};
+    use ca_core::internal::io::midi::{MidiMap, MidiSource};
 
     fn port(name: &str, source: MidiSource) -> PortMap {
         let map =

@@ -109,7 +109,7 @@ impl<'a> Performance<'a> {
     /// where nothing drives it. A hand that is under way then was so before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
         let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
-        let [now, next] = [0.0, self.scene.sample_dt].map(|t| d.track.at(t));
+        let [now, next] = [0.0, self.scene.rates.sample_dt].map(|t| d.track.at(t));
         Some([now, next - now])
     }
 
@@ -181,8 +181,8 @@ impl<'a> Performance<'a> {
 
     /// Time at which what is read at the start of a frame is meant \[s\]: its end.
     fn end_of_frame(&self, tick: u64) -> f64 {
-        let tick_dt = self.scene.sample_dt;
-        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.ratio - 1) * tick_dt }
+        let tick_dt = self.scene.rates.sample_dt;
+        if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.rates.ratio - 1) * tick_dt }
     }
 
     /// Runs one tick; the outputs are in `state.output`.
@@ -198,7 +198,7 @@ impl<'a> Performance<'a> {
         let end = self.end_of_frame(self.state.tick);
         let (scene, s) = (self.scene, &mut self.player.state);
         let frame = frame_due(scene, s.tick);
-        let t = s.tick as f64 * scene.sample_dt;
+        let t = s.tick as f64 * scene.rates.sample_dt;
         for d in &mut self.drives {
             match &d.target {
                 Target::Input(i) => s.input[*i] = d.track.at_near(&mut d.near, t),
@@ -213,7 +213,7 @@ impl<'a> Performance<'a> {
                         // out of range is clamped: a gesture is a signal, and a signal never stops a performance
                         let v = v.max(param.min).min(param.max);
                         if self.controls.turn(*p, v, &mut self.patch).is_ok() {
-                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.frame });
+                            s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.rates.frame });
                         }
                     }
                 }
@@ -270,16 +270,22 @@ impl<'a> Performance<'a> {
                 }
             }
         }
-        let m = self.state.furthest();
+        let m = furthest(&self.state);
         (self.scene.mat_name(m).into(), "it went furthest".into())
     }
+}
+
+/// The MAT with the largest displacement, or the first that is not finite.
+fn furthest(state: &State) -> usize {
+    let size = |i: &usize| if state.x[*i].is_nan() { f64::INFINITY } else { state.x[*i].abs() };
+    (0..state.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
 /// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or
 /// until its gestures have died away.
 pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
     let midi = p.midi_ends.map(|end| end + RING);
-    asked.or(midi).or(p.scene.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
+    asked.or(midi).or(p.scene.about.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
 }
 
 /// Samples in so many seconds; at least one.

@@ -88,7 +88,7 @@ impl Running {
         }
         let mut words = beside.as_chunks::<8>().0.iter().map(|w| u64::from_le_bytes(*w));
         let mut next = || words.next().ok_or(NotRestored::Damaged);
-        let mut patch = ca_core::live::Patch::default();
+        let mut patch = ca_core::Patch::default();
         for p in 0..params {
             // what it does to coefficients is in the state already
             let value = f64::from_bits(next()?);

@@ -3,10 +3,8 @@
 //! Decides that instances which differ in nothing but their notes share a line, named as a selector names them, `key[0..12].key`:
 //! of 24 keys alike a list of names says nothing.
 
-use ca_core::Scene;
-use ca_core::io::midi::{MidiMap, MidiSource};
-use ca_core::kind::Unit;
-use ca_core::scene::{Input, InputRole};
+use ca_core::internal::io::midi::{MidiMap, MidiSource};
+use ca_core::{Input, InputRole, Scene, Unit};
 use ca_model::quantity::{note_name, show};
 
 /// Notes that are listed one by one.

@@ -4,9 +4,9 @@
 
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 
 const fn numbers(unit: Unit) -> Type {
     Type::Numbers { unit, min: ABOVE_ZERO.0, max: ABOVE_ZERO.1 }

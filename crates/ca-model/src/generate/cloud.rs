@@ -9,10 +9,10 @@ use super::string::{K, M, M_TOTAL, MANY, MASSES, mass};
 use super::tetra::Z;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::cloud::Cloud;
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::kind::cloud::Cloud;
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 
 /// CLOUD in the catalog.
 pub static KIND: Kind = Kind {

@@ -7,9 +7,9 @@
 use super::pose::{Pose, V};
 use super::string::{M, M_TOTAL, MASSES, mass};
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, Param, Role, Type, Unit};
 
 /// GRAINS in the catalog.
 pub static KIND: Kind = Kind {

@@ -15,9 +15,9 @@ use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground,
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 
 const SIDE: Type = Type::Count { min: 2, max: 4096 };
 

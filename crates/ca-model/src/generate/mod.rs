@@ -1,12 +1,12 @@
-//! Generators: one line of text, many modules, one file each. What a generator builds: [`ca_core::kind::builder`].
+//! Generators: one line of text, many modules, one file each. A generator builds with [`ca_core::internal::kind::builder`].
 //!
 //! Expansion happens in the compiler, never in the author's file, and names stay indexable: `low[8]`, `low[-1]`,
 //! `low[*]`.
 // all generators have functions of one type, whether or not they refuse anything
 #![allow(clippy::unnecessary_wraps)]
 
-use ca_core::kind::Kind;
-pub use ca_core::kind::builder::{Arg, Args, Builder, Generator, Problem};
+use ca_core::Kind;
+pub use ca_core::internal::kind::builder::{Arg, Args, Builder, Generator, Problem};
 
 mod bank;
 mod cloud;

@@ -4,8 +4,8 @@
 //! `"25 %"`, no unit of angle is needed, and whole quarters are exact. Euler angles were the alternative; nobody agrees
 //! on their order. A spin is such a vector per second, in Hz. A body turns and spins about its own origin.
 
-use ca_core::kind::builder::Args;
-use ca_core::kind::{Need, Param, Type, Unit};
+use ca_core::internal::kind::builder::Args;
+use ca_core::{Need, Param, Type, Unit};
 use core::f64::consts::TAU;
 use nalgebra::Vector3;
 

@@ -11,10 +11,10 @@
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{Kind, Need, Param, Role, Type};
-use ca_core::mat::X;
-use ca_core::tuning::Scheme;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::internal::tuning::Scheme;
+use ca_core::{Kind, Need, Param, Role, Type};
 
 /// RING in the catalog.
 pub static KIND: Kind = Kind {

@@ -9,9 +9,9 @@
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 
 ca_core::choice! {
     /// What holds the ends.

@@ -5,14 +5,14 @@
 //! damping to ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC
 //! 2019.
 
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
-use ca_core::mat::X;
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::tuning::Scheme;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::tuning::Scheme;
 
 /// How many masses a generator may make.
 pub(super) const MANY: u32 = crate::model::LARGEST as u32;

@@ -9,9 +9,9 @@
 use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
-use ca_core::mat::X;
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
 
 pub(super) const Z: Param = Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Optional, "viscosity of each link");
 

@@ -4,16 +4,16 @@
 //! (v₁ + v₂) − 2Z v, and v − vᵢ goes out on side i (docs/numerics.md §7.2). With f alone on the right this is a mass of
 //! m + ZT with a damper of 2Z, so a junction *is* a CEL without spring, of three coefficients like any MAT, and S = M −
 //! ¼T²K − ½TC of a network counts it with m: all that is known of masses holds of junctions. Delays, loss and tuning:
-//! [`ca_core::tuning::wave`]. Stability: passive whatever is linked, as far as the links are with masses of m. Source: HSP v2
+//! [`ca_core::internal::tuning::wave`]. Stability: passive whatever is linked, as far as the links are with masses of m. Source: HSP v2
 //! (`DWG-end~`, `ex-junct~`); the mass makes passive what `ex-junct~` is not. Test: G01 to G03.
 
 use crate::quantity::Plain;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::builder::{Args, Builder, Generator, Problem};
-use ca_core::kind::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
-use ca_core::mat::X;
-use ca_core::tuning::wave::{WaveguideSpec, tune};
+use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
+use ca_core::internal::mat::X;
+use ca_core::internal::tuning::wave::{WaveguideSpec, tune};
+use ca_core::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 
 const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -> Param {
     Param::number(name, unit, ABOVE_ZERO, need, doc).for_good()

@@ -11,7 +11,7 @@ use crate::model::{Entry, Model, Span, Use, Value};
 use crate::suggest::ticked;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::{Kind, Type};
+use ca_core::{Kind, Type};
 
 /// Keys of `[model]` that change what is computed, beside the units.
 const SETTINGS: &[&str] = &["gravity", "friction", "method", "theta", "start"];

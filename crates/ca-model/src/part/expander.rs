@@ -11,7 +11,7 @@ use alloc::rc::Rc;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::Catalog;
-use ca_core::kind::cloud::Unread;
+use ca_core::internal::kind::cloud::Unread;
 
 /// A file whose parts may be used.
 pub(super) struct Home {

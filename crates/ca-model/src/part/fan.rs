@@ -9,8 +9,7 @@ use crate::select::parse;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::Catalog;
-use ca_core::kind::Type;
+use ca_core::{Catalog, Type};
 
 /// How many instances there are of each name, and where to say what is wrong.
 pub(super) struct Fans<'f> {

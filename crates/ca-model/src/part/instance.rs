@@ -16,7 +16,7 @@ use alloc::format;
 use alloc::rc::Rc;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::{Kind, Type};
+use ca_core::{Kind, Type};
 
 /// A part within a part, and so on, no deeper than this.
 const DEEP: usize = 16;

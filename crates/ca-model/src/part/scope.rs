@@ -10,7 +10,7 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::{Kind, Type};
+use ca_core::{Kind, Type};
 use core::cell::RefCell;
 
 /// What stands for a parameter of a part, and where that is written.

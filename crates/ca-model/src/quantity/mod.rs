@@ -12,7 +12,7 @@ mod show;
 mod units;
 mod value;
 
-pub use ca_core::numeric::Plain;
+pub use ca_core::internal::numeric::Plain;
 pub use note::{near_note, note, note_name, note_number, note_of};
 pub use read::{is_quantity, parse, product};
 pub use show::{rounded, short, show, six, unit_of};

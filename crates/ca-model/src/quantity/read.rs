@@ -6,7 +6,7 @@ use super::units::{near, symbol};
 use super::value::{Quantity, QuantityError};
 use alloc::format;
 use alloc::string::String;
-use ca_core::kind::Dim;
+use ca_core::{Dim, Unit};
 
 /// Whether a string is meant as a quantity: it starts with a digit, a sign or a dot.
 pub fn is_quantity(text: &str) -> bool {
@@ -17,10 +17,10 @@ pub fn is_quantity(text: &str) -> bool {
 /// decimal power (`N/m^1.5`), `²` and `³` are accepted.
 ///
 /// ```
-/// use ca_core::kind::Dim;
+/// use ca_core::Unit;
 /// use ca_model::quantity::parse;
 /// let q = parse("0.2 N s/m").unwrap();
-/// assert_eq!((q.value, q.dim), (0.2, Dim::VISCOSITY));
+/// assert_eq!((q.value, q.dim), (0.2, Unit::VISCOSITY.dim));
 /// assert_eq!(parse("20 g").unwrap().value, 0.02);
 /// assert_eq!(parse("20 gr").unwrap_err().hint.as_deref(), Some("g"));
 /// ```
@@ -33,7 +33,8 @@ pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     let number = s.number()?;
     let before = s.at;
     s.blanks();
-    let unit = if s.peek().is_some() { s.unit(before)? } else { Parsed { dim: Dim::NONE, ten: 0.0, written: false } };
+    let unit =
+        if s.peek().is_some() { s.unit(before)? } else { Parsed { dim: Unit::NONE.dim, ten: 0.0, written: false } };
     let shift = libm::round(unit.ten);
     let mut value = number.shifted(shift as i64);
     if (unit.ten - shift).abs() > 1e-9 {
@@ -169,7 +170,7 @@ impl<'a> Scan<'a> {
     }
 
     fn unit(&mut self, before: usize) -> Result<Parsed, QuantityError> {
-        let mut sum = Parsed { dim: Dim::NONE, ten: 0.0, written: true };
+        let mut sum = Parsed { dim: Unit::NONE.dim, ten: 0.0, written: true };
         let mut sign = if self.eat('/') { -1.0 } else { 1.0 };
         loop {
             self.blanks();

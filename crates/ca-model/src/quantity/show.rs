@@ -7,7 +7,7 @@ use super::units::PREFIXES;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::kind::{Dim, Unit};
+use ca_core::{Dim, Unit};
 
 /// `value` to six digits: as many as a number that was computed needs to be read by people. [`show`] and
 /// [`Plain`](super::Plain) write all digits that a value has.

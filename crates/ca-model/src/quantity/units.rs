@@ -4,18 +4,18 @@ use crate::suggest::nearest;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
-use ca_core::kind::Dim;
+use ca_core::{Dim, Unit};
 
 /// symbol, dimension, decimal exponent
 pub(super) const UNITS: &[(&str, Dim, i32)] = &[
-    ("m", Dim::LENGTH, 0),
-    ("g", Dim::MASS, -3),
-    ("s", Dim::TIME, 0),
-    ("Hz", Dim::FREQUENCY, 0),
-    ("N", Dim::FORCE, 0),
-    ("J", Dim::ENERGY, 0),
-    ("W", Dim::POWER, 0),
-    ("%", Dim::NONE, -2),
+    ("m", Unit::METRE.dim, 0),
+    ("g", Unit::KILOGRAM.dim, -3),
+    ("s", Unit::SECOND.dim, 0),
+    ("Hz", Unit::HERTZ.dim, 0),
+    ("N", Unit::NEWTON.dim, 0),
+    ("J", Unit::JOULE.dim, 0),
+    ("W", Unit::WATT.dim, 0),
+    ("%", Unit::NONE.dim, -2),
 ];
 
 /// The first spelling of an exponent is the one we write. `μ` is the Greek letter, `µ` the micro sign.

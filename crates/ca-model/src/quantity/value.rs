@@ -1,14 +1,14 @@
 //! A number with its dimension, and what is wrong in a text that should be one.
 
 use alloc::string::String;
-use ca_core::kind::Dim;
+use ca_core::Dim;
 
 /// A number with its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     /// in SI base units
     pub value: f64,
-    /// its dimension; [`Dim::NONE`] where no unit is written
+    /// its dimension; without a unit, the dimension of [`Unit::NONE`](ca_core::Unit::NONE)
     pub dim: Dim,
     /// whether a unit is written; without one the number is in the model's units
     pub has_unit: bool,

@@ -9,8 +9,7 @@
 
 use crate::select::is_word;
 use alloc::vec::Vec;
-use ca_core::Catalog;
-use ca_core::kind::Role;
+use ca_core::{Catalog, Role};
 use core::ops::Range;
 
 /// Bytes of a section that are parsed at once.

@@ -12,7 +12,7 @@ use crate::suggest::{nearest, ticked};
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::{Kind, Type};
+use ca_core::{Kind, Type};
 use toml::de::{DeTable, DeValue};
 
 impl Reader<'_, '_> {

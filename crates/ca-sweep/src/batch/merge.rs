@@ -111,7 +111,7 @@ mod tests {
             one.tick();
             all.tick();
             for (k, v) in all.state.output.iter().enumerate() {
-                let want = one.state.output[k % alone.channels];
+                let want = one.state.output[k % alone.counts.channels];
                 assert_eq!(v.to_bits(), want.to_bits(), "{what}, sample {n}, channel {k}: {v:e}, not {want:e}");
             }
         }

@@ -14,7 +14,7 @@ mod merge;
 
 use ca_compile::Options;
 use ca_core::Scene;
-use ca_core::op::SolveStage;
+use ca_core::internal::op::SolveStage;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;
@@ -85,7 +85,7 @@ pub fn batch<S: Sample>(
     let scene = loaded.compile(options)?.scene;
     let performance = Performance::new(&scene, gesture)?;
     let frames = play::frames(&scene, play::seconds(&performance, spec.seconds));
-    let (channels, probes) = (scene.channels, scene.n_out - scene.channels);
+    let (channels, probes) = (scene.counts.channels, scene.counts.n_out - scene.counts.channels);
     let one = usize::try_from(frames).ok();
     let width = |width: usize| one.and_then(|frames| frames.checked_mul(width));
     let refused = || {
@@ -101,8 +101,9 @@ pub fn batch<S: Sample>(
     let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, probes, stop: &stop };
     let most = if solves_at_once(&scene) { 1 } else { MOST };
     // each thread has some
-    let some =
-        (TOGETHER / (scene.n_mat + scene.n_lia).max(1)).clamp(1, most).min(n.div_ceil(spec.threads.max(1)).max(1));
+    let some = (TOGETHER / (scene.counts.n_mat + scene.counts.n_lia).max(1))
+        .clamp(1, most)
+        .min(n.div_ceil(spec.threads.max(1)).max(1));
     let rows = rows(&mut sound, n, per_sound).into_iter().zip(rows(&mut probed, n, per_probes)).zip(&mut ended);
     let slots = rows.enumerate().map(|(index, ((sound, probed), to))| Slot { index, sound, probed, to });
     let slots = Mutex::new(slots);
@@ -156,7 +157,7 @@ pub fn batch<S: Sample>(
 
 /// Whether links are solved all at once: then the last bits of one go by all others, also by those of another instance.
 fn solves_at_once(scene: &Scene) -> bool {
-    scene.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled))
+    scene.passes.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled))
 }
 
 /// How many instances there are, where everything that is varied is there and has as many values.
@@ -268,7 +269,7 @@ impl Shared<'_> {
         let probes = merge::probes(&self.options.probes, n);
         let compiled = all.compile(&Options { bounds_only: true, probes, ..self.options.clone() }).ok()?;
         let scene = &compiled.scene;
-        let whole = (scene.rate, scene.channels, scene.n_out) == (self.rate, n * channels, n * width);
+        let whole = (scene.rate, scene.counts.channels, scene.counts.n_out) == (self.rate, n * channels, n * width);
         if !whole || solves_at_once(scene) {
             return None;
         }
@@ -291,7 +292,7 @@ impl Shared<'_> {
             if self.stop.load(Relaxed) { Err(()) } else { Ok(()) }
         });
         let played = played.ok()?;
-        if played.diverged_at.is_some() || played.performance.state.refused > 0 {
+        if played.diverged_at.is_some() || played.performance.state.ports.refused > 0 {
             return None;
         }
         for (slot, level) in some.iter_mut().zip(&levels) {
@@ -314,20 +315,20 @@ impl Shared<'_> {
         let loaded = self.instance(slot.index)?;
         let compiled = loaded.compile(options)?;
         let scene = &compiled.scene;
-        let probes = scene.n_out - scene.channels;
-        if (scene.rate, scene.channels, probes) != (self.rate, self.channels, self.probes) {
+        let probes = scene.counts.n_out - scene.counts.channels;
+        if (scene.rate, scene.counts.channels, probes) != (self.rate, self.channels, self.probes) {
             let of = |channels: usize, probes: usize, rate: f64| {
                 format!("{channels} channels and {probes} probes at {rate} Hz")
             };
             return Err(Failure::Failed(format!(
                 "{}, where the scene as it is has {}: all instances of a batch have one shape",
-                of(scene.channels, probes, scene.rate),
+                of(scene.counts.channels, probes, scene.rate),
                 of(self.channels, self.probes, self.rate)
             )));
         }
         let mut level = Level::new(self.channels);
         let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {
-            slot.keep(rows, probes, &mut level, done as usize - rows.len() / scene.n_out.max(1));
+            slot.keep(rows, probes, &mut level, done as usize - rows.len() / scene.counts.n_out.max(1));
             if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
         })?;
         let outcome = Outcome::of(&played, &level, (scene, &compiled.findings), (&loaded, options), self.gesture);

@@ -1,9 +1,8 @@
 //! What must be so of every drawing, and how it is read.
 
 use ca_view::Drawing;
-use cordis_anima::ca_core::Scene;
-use cordis_anima::ca_core::kind::name::Index;
-use cordis_anima::ca_core::scene::Location;
+use cordis_anima::ca_core::internal::kind::name::Index;
+use cordis_anima::ca_core::{Location, Scene};
 use cordis_anima::ca_io::perform::Performance;
 use cordis_anima::{Loaded, Options};
 use serde_json::Value;

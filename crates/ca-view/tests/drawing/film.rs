@@ -84,7 +84,7 @@ fn a_film_of_too_much_is_small() {
         let mut film = Film::new(&scene, seconds);
         assert!(rate.contains(&film.rate()), "{}", film.rate());
         // noise, which no compressor makes small
-        let mut x = vec![0.0; scene.n_mat];
+        let mut x = vec![0.0; scene.counts.n_mat];
         let mut seed = 1_u32;
         for n in 0..(seconds * 60.0) as u32 {
             for x in &mut x {

@@ -7,8 +7,8 @@ mod random;
 use ca_view::Drawing;
 use check::{Page, apart, check, compiled, models, page, views};
 use cordis_anima::ca_core::Scene;
-use cordis_anima::ca_core::kind::name::{Index, Part};
-use cordis_anima::ca_core::op::MeasureKind;
+use cordis_anima::ca_core::internal::kind::name::{Index, Part};
+use cordis_anima::ca_core::internal::op::MeasureKind;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -23,7 +23,7 @@ fn every_bundled_model_is_drawn() {
         assert_eq!(d.json()["decimated"], Value::Null);
         // all MATs, and all links but those of sets and of masses that are left out
         assert!((0..scene.mats()).all(|m| d.drawn_mass(m) == Some(m)), "{name}");
-        let sets = scene.forces.iter().filter(|op| op.ports.pair_set.is_some()).count();
+        let sets = scene.passes.forces.iter().filter(|op| op.ports.pair_set.is_some()).count();
         let waves = p.links.iter().filter(|l| l.0 == "WAVE").count();
         assert_eq!(p.links.len() - waves, scene.lias() - sets, "{name}");
         in_order(&name, &scene, &d, &p);
@@ -100,7 +100,7 @@ ob = { from = "b[7]", channel = 0 }
 om = { from = "m[2,3]", channel = 0 }
 "#;
     let scene = compiled(text, "folded.ca.toml");
-    assert!(scene.moves.iter().chain(&scene.forces).any(|op| op.form.folded), "nothing is folded");
+    assert!(scene.passes.moves.iter().chain(&scene.passes.forces).any(|op| op.form.folded), "nothing is folded");
     let d = Drawing::new(&scene);
     check("folded", &scene, &d);
     views("folded", &scene, &d, 300);
@@ -117,7 +117,7 @@ om = { from = "m[2,3]", channel = 0 }
         assert_eq!([h[0], h[2]], [s[0], s[2]], "{hammer}");
         assert!((s[1] - h[1] - 1e-4).abs() < 1e-9, "{hammer} {h:?} {s:?}");
     }
-    let hold = scene.forces.iter().all(|op| op.form.measure == MeasureKind::Line);
+    let hold = scene.passes.forces.iter().all(|op| op.form.measure == MeasureKind::Line);
     assert!(hold && d.json()["spheres"].as_array().unwrap().is_empty());
 }
 
@@ -137,12 +137,12 @@ strike = { between = ["head", "low.s[8]"], k = "8 kN/m", z = "0.2 N s/m" }
 out = { from = "low.s[3]", gain = 20 }
 "#;
     let scene = compiled(text, "modes.ca.toml");
-    assert!(!scene.modal.is_empty() && scene.symbols.iter().any(|s| s.name.part == Part::Mode));
+    assert!(!scene.places.modal.is_empty() && scene.symbols.iter().any(|s| s.name.part == Part::Mode));
     let d = Drawing::new(&scene);
     check("modes", &scene, &d);
     views("modes", &scene, &d, 900);
     let p = page(&d);
-    assert_eq!(p.n, scene.mats() + scene.modal.len());
+    assert_eq!(p.n, scene.mats() + scene.places.modal.len());
     let blows: Vec<_> = p.links.iter().filter(|l| l.1).collect();
     let [(_, _, [_, struck])] = blows[..] else { panic!("{blows:?}") };
     assert!(d.scene_mass(*struck).is_none() && !p.fixed[*struck]);

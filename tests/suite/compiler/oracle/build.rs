@@ -6,7 +6,7 @@ use super::listed::{Listed, drawn, kind};
 use super::network::{Heard, Law, Link, Mat, MeasureKind, Network, Past, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
-use ca_core::kind::Role;
+use ca_core::Role;
 use ca_model::select::{At, Coord, Index, Part, parse};
 use ca_model::{Item, Model, Value};
 use std::collections::BTreeMap;

@@ -8,15 +8,15 @@
 use super::expand::{Family, fixed, mat};
 use super::network::{Law, Link, MeasureKind, Network, Past};
 use super::numbers::{Numbers, entry, list};
-use ca_core::kind::builder::{Arg, Args, Builder, Built, Generator};
-use ca_core::kind::{Kind, Need, Role, Type};
-use ca_core::numeric::Table;
-use ca_core::tuning::Scheme;
+use ca_core::internal::kind::builder::{Arg, Args, Builder, Built, Generator};
+use ca_core::internal::op::{loaded, started};
+use ca_core::internal::tuning::Scheme;
+use ca_core::{Kind, Need, Role, Table, Type};
 use ca_model::{Item, Value};
 
 /// A law by its record, with its coefficients, memory and tables.
 pub struct Listed {
-    law: &'static ca_core::op::Law,
+    law: &'static ca_core::Law,
     c: Vec<f64>,
     /// from the first elongation on
     mem: Option<Vec<f64>>,
@@ -29,7 +29,7 @@ pub fn kind(i: &Item) -> &'static Kind {
 
 /// The parameters of a module in the order of its record; tables are put aside and called by number.
 fn args(numbers: &Numbers, i: &Item, tables: &mut Vec<Table>) -> Vec<Arg> {
-    let one = |p: &ca_core::kind::Param, tables: &mut Vec<Table>| match (entry(&i.args, p.name), p.ty, p.need) {
+    let one = |p: &ca_core::Param, tables: &mut Vec<Table>| match (entry(&i.args, p.name), p.ty, p.need) {
         (None, _, Need::Default(v)) => Arg::Num(v),
         (None, ..) | (_, Type::Between | Type::Direction, _) => Arg::Absent,
         (Some(Value::Text(t)), Type::Choice(words), _) => {
@@ -55,7 +55,7 @@ impl Listed {
             p.push(Some(tables.len() as f64));
             tables.push(own());
         }
-        Listed { law, c: law.loaded(&p, numbers.tick_dt), mem: None, tables }
+        Listed { law, c: loaded(law, &p, numbers.tick_dt), mem: None, tables }
     }
 
     /// Whether it is not looked at while nothing touches.
@@ -65,7 +65,7 @@ impl Listed {
 
     /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
-        let mem = self.mem.get_or_insert_with(|| self.law.started(&self.c, e));
+        let mem = self.mem.get_or_insert_with(|| started(self.law, &self.c, e));
         (self.law.fns.force)(&self.c, mem, &self.tables, e, w)
     }
 }

@@ -42,7 +42,7 @@ fn ticks(scene: &Scene, long: bool) -> usize {
 fn play(scene: &Scene, oracle: &mut Network, ticks: usize, mut each: impl FnMut(usize, &Network, &[f64], &State)) {
     let mut s = scene.state();
     let mut out = vec![0.0; oracle.channels()];
-    assert_eq!(out.len(), scene.channels);
+    assert_eq!(out.len(), scene.counts.channels);
     let places: Vec<usize> = oracle.ports.iter().map(|p| scene.input(&p.name).expect("a port")).collect();
     for n in 0..ticks {
         gesture(scene, &mut s);
@@ -103,7 +103,7 @@ fn one_by_one_every_bit_is_that_of_a_plain_loop() {
             assert!(same, "{name}, tick {n}: {out:?} is not {:?}", s.output);
             heard = out.iter().fold(heard, |m, v| m.max(v.abs()));
         });
-        assert!(scene.channels == 0 || heard > 0.0, "{name} is silent, which compares nothing");
+        assert!(scene.counts.channels == 0 || heard > 0.0, "{name} is silent, which compares nothing");
     }
 }
 

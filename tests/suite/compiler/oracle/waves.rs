@@ -6,7 +6,7 @@
 use super::expand::{Family, mat};
 use super::network::{Mat, Network};
 use super::numbers::{Numbers, entry, list};
-use ca_core::tuning::wave::{Loss, WaveguideSpec, tune};
+use ca_core::internal::tuning::wave::{Loss, WaveguideSpec, tune};
 use ca_model::Item;
 use std::collections::VecDeque;
 

@@ -2,8 +2,7 @@
 
 use super::{poles, radius, string};
 use crate::play::{audited, case, list, mat, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 
 const FS: f64 = 48e3;
 

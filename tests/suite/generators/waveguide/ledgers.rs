@@ -27,7 +27,7 @@ fn the_ledger_balances_and_the_far_end_only_takes() {
         let l = s.ledger.as_ref().expect("a ledger");
         let ledger = l.balance();
         within("residual", ledger.residual.abs() / ledger.peak, 1e-12);
-        within("of one tick", l.worst / ledger.peak, 1e-14);
+        within("of one tick", l.extremes.worst / ledger.peak, 1e-14);
         assert!(ledger.h0 > 1e-4 && ledger.scheme_error == 0.0);
         within("what is not heat in the end", (1.0 - ledger.lost / ledger.h0).abs(), 2e-3);
     }
@@ -52,11 +52,11 @@ fn a_note_loses_sixty_decibels_in_its_time() {
 #[test]
 fn without_one_there_is_no_trace() {
     let scene = scene("[CEL]\nbar = { m = 1, f = 440 }\n[SOX]\nout = { from = \"bar\" }\n");
-    assert!(scene.waves == ca_core::op::layout::Waves::default() && scene.state().mem.is_empty());
-    assert!(scene.forces.iter().chain(&scene.moves).all(|op| !op.name.starts_with("waves")));
+    assert!(scene.waves == ca_core::internal::op::layout::Waves::default() && scene.state().links.mem.is_empty());
+    assert!(scene.passes.forces.iter().chain(&scene.passes.moves).all(|op| !op.name().starts_with("waves")));
     // and one that nobody hears leaves none
     let scene = crate::play::scene(
         "[CEL]\nbar = { m = 1, f = 440 }\n[SOX]\nout = { from = \"bar\" }\n[WAVEGUIDE]\nw = { f = 100, z = 1, at = 0.2 }\n",
     );
-    assert!(scene.waves.delays.is_empty() && scene.state().mem.is_empty());
+    assert!(scene.waves.delays.is_empty() && scene.state().links.mem.is_empty());
 }

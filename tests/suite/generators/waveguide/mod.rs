@@ -7,7 +7,7 @@ mod played;
 mod tuning;
 
 use crate::play::TURN;
-use ca_core::op::layout::Termination;
+use ca_core::internal::op::layout::Termination;
 use ca_core::{Scene, tick};
 
 /// A string of these parameters at 48 kHz, heard at its first junction, and whatever else is in the model.
@@ -19,7 +19,7 @@ fn string(parameters: &str, more: &str) -> String {
 /// Waves are found by how long ago they left, as their rings turn.
 fn poles(scene: &Scene) -> Vec<[f64; 2]> {
     let start = scene.state();
-    let places: Vec<usize> = (0..scene.n_mat).filter(|i| start.coef[2 * scene.n_mat + i] > 0.0).collect();
+    let places: Vec<usize> = (0..scene.counts.n_mat).filter(|i| start.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
     let waves = &scene.waves;
     let memories = waves.delays.iter().filter_map(|d| match d.end {
         Termination::Lossy { memory, .. } => Some(memory),
@@ -38,11 +38,11 @@ fn poles(scene: &Scene) -> Vec<[f64; 2]> {
         match (j / 2, j % 2) {
             (k, 0) if k < places.len() => s.x[places[k]] = 1.0,
             (k, _) if k < places.len() => s.d[places[k]] = 1.0,
-            _ => s.mem[mem(0)[j - 2 * places.len()]] = 1.0,
+            _ => s.links.mem[mem(0)[j - 2 * places.len()]] = 1.0,
         }
         tick(scene, &mut s);
         let motion = places.iter().flat_map(|p| [s.x[*p], s.d[*p]]);
-        for (i, v) in motion.chain(mem(1).into_iter().map(|m| s.mem[m])).enumerate() {
+        for (i, v) in motion.chain(mem(1).into_iter().map(|m| s.links.mem[m])).enumerate() {
             map[(i, j)] = v;
         }
     }

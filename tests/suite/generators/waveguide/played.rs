@@ -2,8 +2,7 @@
 
 use super::string;
 use crate::play::{audited, mat, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 
 const STRING: &str = "f = 220, t60 = 3, t60_high = 0.5, z = 0.6, at = [0.13, 0.6]";
 

@@ -4,8 +4,8 @@ use super::{pole, poles, string};
 use crate::acoustics::cents;
 use crate::play::{TURN, case, num, off, rows, scene, within};
 use ca_core::Scene;
-use ca_core::op::layout::Termination;
-use ca_core::tuning::wave::Loss;
+use ca_core::internal::op::layout::Termination;
+use ca_core::internal::tuning::wave::Loss;
 
 /// The filters of a scene's only string, from its near end to the far one, and its whole delays together.
 fn loop_of(scene: &Scene) -> (Vec<Loss>, usize) {

@@ -38,7 +38,7 @@ fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
         }
         Cause::WatchdogIn => (0..30).map(|_| rig.frame()).last().expect("frames"),
         Cause::Nonfinite => {
-            rig.engine.state.border[0].sum = f64::INFINITY;
+            rig.engine.state.ports.border[0].sum = f64::INFINITY;
             rig.go(&[0.0])
         }
         Cause::Implausible => {

@@ -36,7 +36,7 @@ fn h1_no_number_is_no_force_in_the_same_frame() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.on(&[0.0]);
     assert!(force(&rig.glide(4e-3, 60)) < -1.9);
-    rig.engine.state.border[0].sum = f64::NAN;
+    rig.engine.state.ports.border[0].sum = f64::NAN;
     let f = rig.go(&[4e-3]);
     assert!(is_off(&f, Cause::Nonfinite), "{f:?}");
     assert!(is_off(&rig.go(&[4e-3]), Cause::Nonfinite), "it stays");

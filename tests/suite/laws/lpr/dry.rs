@@ -3,8 +3,7 @@
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{apart, audited, mat, model, off, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 
 const DRY: &str = "curve = \"coulomb\", method = \"set-valued\"";
@@ -26,8 +25,8 @@ fn with_a_port_held_it_is_the_plain_friction() {
             .map(|n| {
                 s.input[0] = 0.1 * f64::from(n) / scene.rate;
                 tick(&scene, &mut s);
-                changes += usize::from((s.mem[0] != 0.0) != stuck);
-                stuck = s.mem[0] != 0.0;
+                changes += usize::from((s.links.mem[0] != 0.0) != stuck);
+                stuck = s.links.mem[0] != 0.0;
                 s.x[mat(&scene, "block")]
             })
             .collect();
@@ -64,7 +63,7 @@ fn the_sum_of_two_motions_stops() {
         let mut stopped = None;
         for n in 0..24_000 {
             tick(&scene, &mut s);
-            if s.mem[0] != 0.0 {
+            if s.links.mem[0] != 0.0 {
                 stopped.get_or_insert(n);
             }
         }

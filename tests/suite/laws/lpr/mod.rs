@@ -4,8 +4,7 @@ mod dry;
 mod plain;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{Scene, State, compute_forces, tick};
+use ca_core::{Level, Scene, State, compute_forces, tick};
 use std::fmt::Write as _;
 
 const FS: f64 = 48000.0;
@@ -92,7 +91,7 @@ fn d02_an_edge_is_as_stiff_as_its_support() {
     (s.input[0], s.input[1]) = (0.6 * f, 0.8 * f);
     (0..40_000).for_each(|_| tick(&scene, &mut s));
     let at = mat(&scene, "air.ball");
-    let length = (0..3).map(|k| (scene.rest[at + k] + s.x[at + k]).powi(2)).sum::<f64>().sqrt();
+    let length = (0..3).map(|k| (scene.places.rest[at + k] + s.x[at + k]).powi(2)).sum::<f64>().sqrt();
     within("D02 extension", off(length - 0.02, num(c, "values/extension")), num(c, "tolerance/rel"));
 }
 
@@ -114,7 +113,7 @@ fn d03_flying_is_silent() {
 
 /// T²K/M of a scene about its rest, all places, by differences of the fourth order, made symmetric by its masses.
 fn stiffness(scene: &Scene, step: f64) -> Vec<Vec<f64>> {
-    let n = scene.n_mat;
+    let n = scene.counts.n_mat;
     let force = |j: usize, x: f64| {
         let mut s = scene.state();
         s.d.fill(0.0);
@@ -217,7 +216,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
     let places = corners(&scene);
     for (i, p) in places.into_iter().enumerate() {
         for k in 0..3 {
-            s.x[p + k] = at(i, 0.0)[k] - scene.rest[p + k];
+            s.x[p + k] = at(i, 0.0)[k] - scene.places.rest[p + k];
             s.d[p + k] = at(i, 0.0)[k] - at(i, -1.0)[k];
         }
     }
@@ -237,7 +236,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
         tick(&scene, &mut s);
         moved = ears.iter().fold(moved, |m, e| m.max((s.x[*e] - start.x[*e]).abs()));
     }
-    let place = |p: usize, k: usize| scene.rest[p + k] + s.x[p + k];
+    let place = |p: usize, k: usize| scene.places.rest[p + k] + s.x[p + k];
     let length = (0..3).map(|k| (place(places[0], k) - place(places[1], k)).powi(2)).sum::<f64>().sqrt();
     within(&format!("the edge after a second at {turns} Hz"), (length - l - extension).abs(), 1e-12);
     (extension, moved)

@@ -101,7 +101,7 @@ fn cheaper_laws_are_quadripoles_too() {
             let scene = scene(text);
             let mut s = scene.state();
             (0..2000).for_each(|_| tick(&scene, &mut s));
-            (scene.forces.iter().find(|o| o.law.is_some()).expect("a link").name, s.output[0])
+            (scene.passes.forces.iter().find(|o| o.law.is_some()).expect("a link").name(), s.output[0])
         };
         let (name, heard) = play(&general);
         assert_eq!((name, heard.to_bits()), (law, play(&plain).1.to_bits()));
@@ -174,7 +174,10 @@ fn outputs_that_a_body_in_space_feeds_lose_what_is_steady() {
                 string = { between = [\"bar\", \"far\"], k = 1e4 }\nside = { between = [\"wall\", \"lone\"], k = 1e4 }\n\
                 [LPR]\nedge = { between = [\"air.nail\", \"air.ball\"], onto = [\"wall\", \"bar\"], k = 1e4 }\n";
     let high_passes = |outs: &str| {
-        scene(&format!("{body}[SOX]\nfly = {{ from = \"air.ball\", along = \"x\", dc = 0 }}\n{outs}")).blockers.len()
+        scene(&format!("{body}[SOX]\nfly = {{ from = \"air.ball\", along = \"x\", dc = 0 }}\n{outs}"))
+            .out
+            .blockers
+            .len()
     };
     for (out, many) in [
         ("out = { from = \"bar\" }", 1),
@@ -192,5 +195,5 @@ fn outputs_that_a_body_in_space_feeds_lose_what_is_steady() {
     // with both ends of an LPR on lines nothing spins
     let flat = "[CEL]\na = { m = 0.01, k = 5e4 }\nb = { m = 0.01, k = 5e4 }\n[SOL]\nwall = {}\n[LPR]\nl = { between = \
                 [\"wall\", \"a\"], onto = [\"wall\", \"b\"], k = 1e4 }\n[SOX]\nout = { from = \"b\" }\n";
-    assert!(scene(flat).blockers.is_empty());
+    assert!(scene(flat).out.blockers.is_empty());
 }

@@ -50,7 +50,7 @@ fn a10_the_ledger_balances_with_dampers_and_a_force() {
     let ledger = s.ledger.as_ref().expect("a ledger");
     let b = ledger.balance();
     assert!(b.work > 0.0 && b.lost > 0.99 * b.work && b.scheme_error == 0.0, "{b:?}");
-    within("A10 one sample", ledger.worst / b.peak, num(c, "tolerance/residual_rel"));
+    within("A10 one sample", ledger.extremes.worst / b.peak, num(c, "tolerance/residual_rel"));
     within("A10 cumulative", b.residual.abs() / b.peak, num(c, "tolerance/cumulative_rel"));
 }
 
@@ -99,6 +99,7 @@ fn a17_the_ledger_names_who_makes_energy() {
     assert_eq!(scene.audited_name(largest_error).as_deref(), Some("contact"));
     assert!(made > 0.5 * b.scheme_error && b.scheme_error > 0.1, "{b:?}");
     // the linear spring keeps its ledgers by theorem
-    let spring = (0..scene.n_lia).find(|i| scene.audited_name(*i).as_deref() == Some("spring")).expect("the spring");
+    let spring =
+        (0..scene.counts.n_lia).find(|i| scene.audited_name(*i).as_deref() == Some("spring")).expect("the spring");
     assert_eq!(ledger.scheme_error[spring], num(c, "values/spring"));
 }

@@ -2,8 +2,7 @@
 
 use super::bench::{FS, heard, mode, string};
 use crate::play::{PI, Random, TURN, apart, case, list, mat, mats, num, off, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::{State, tick};
+use ca_core::{Level, State, tick};
 
 #[test]
 fn a07_modes_of_a_chain() {

@@ -2,9 +2,8 @@
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
-use ca_core::tuning::retune;
+use ca_core::internal::tuning::retune;
+use ca_core::{Level, tick};
 
 #[test]
 fn a01_the_oscillator_is_its_own_exact_solution() {
@@ -152,7 +151,7 @@ fn a05_a_cell_sounds_as_asked() {
             "[rate]\nsound = {fs:?}\n[CEL]\nbar = {{ m = {m:?}, f = {f:?}, t60 = {t60:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n"
         ));
         let s = scene.state();
-        let [p, q, mobility] = [0, 1, 2].map(|i| s.coef[i * scene.n_mat + mat(&scene, "bar")]);
+        let [p, q, mobility] = [0, 1, 2].map(|i| s.coef[i * scene.counts.n_mat + mat(&scene, "bar")]);
         within(&format!("A05 compiled m at {f} Hz"), off(tick_dt * tick_dt / mobility, m), tolerance);
         within(&format!("A05 compiled k at {f} Hz"), off(-q / mobility, k), tolerance);
         // P holds 1 − b: b is there to half a unit of the last place of 1, and not better

@@ -68,18 +68,18 @@ point = { from = "low@finger" }
                 if glitch {
                     s.input[*port] = bad;
                 }
-                let (kept, refused) = (s.last_input[*port], s.refused);
+                let (kept, refused) = (s.ports.last_input[*port], s.ports.refused);
                 tick(&scene, &mut s);
-                let all: [&[f64]; 5] = [&s.x, &s.d, &s.f, &s.output, &s.tap];
+                let all: [&[f64]; 5] = [&s.x, &s.d, &s.f, &s.output, &s.links.tap];
                 assert!(all.iter().all(|v| v.iter().all(|v| v.is_finite())), "{bad} at tick {n}");
-                let due =
-                    scene.inputs[*port].device.is_none() && *port != inputs[1] || ca_core::border::frame_due(&scene, n);
-                assert_eq!(s.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
+                let due = scene.inputs[*port].device.is_none() && *port != inputs[1]
+                    || ca_core::internal::border::frame_due(&scene, n);
+                assert_eq!(s.ports.refused - refused, u64::from(glitch && due), "{bad}, port {port}, tick {n}");
                 if glitch && *port != inputs[2] {
-                    assert_eq!(s.last_input[*port], kept, "the last good value is held");
+                    assert_eq!(s.ports.last_input[*port], kept, "the last good value is held");
                 }
             }
-            assert!(s.refused > 0);
+            assert!(s.ports.refused > 0);
             let b = s.ledger.as_ref().expect("a ledger").balance();
             within("H07 the ledgers still balance", b.residual.abs() / b.peak, 1e-11);
         }

@@ -2,7 +2,7 @@
 
 use super::{INSTRUMENT, hand};
 use crate::play::{TURN, audited, scene, within};
-use ca_core::border::frame_due;
+use ca_core::internal::border::frame_due;
 use ca_core::{Scene, State, tick};
 
 /// What a run gave: outputs of each tick, force sent in each frame, the state at its end.
@@ -23,8 +23,8 @@ fn run(scene: &Scene, x: &[f64]) -> Run {
         }
         tick(scene, &mut s);
         sound.extend(s.output.iter().map(|v| v.to_bits()));
-        if (s.tick - 1).is_multiple_of(u64::from(scene.ratio)) {
-            force.push(s.border[0].force.to_bits());
+        if (s.tick - 1).is_multiple_of(u64::from(scene.rates.ratio)) {
+            force.push(s.ports.border[0].force.to_bits());
         }
     }
     Run { sound, force, end: s }
@@ -61,7 +61,7 @@ fn latency_is_the_same_later_in_every_bit() {
         for latency in [1, 5, 60] {
             let late = still(&format!("{rate}\nlatency = {latency}"));
             let b = run(&late, &x);
-            let shift = latency * now.ratio as usize;
+            let shift = latency * now.rates.ratio as usize;
             assert!(a.sound != b.sound);
             assert!(a.sound[..a.sound.len() - shift] == b.sound[shift..], "{rate}: {latency} frames, the sound");
             assert!(a.force[..a.force.len() - latency] == b.force[latency..], "{rate}: {latency} frames, the force");
@@ -72,12 +72,14 @@ fn latency_is_the_same_later_in_every_bit() {
 #[test]
 fn without_latency_there_is_no_trace_of_it() {
     let (a, b) = (still(""), still("latency = 0"));
-    let passes = |s: &Scene| s.reads.iter().chain(&s.forces).chain(&s.writes).map(|o| o.name).collect::<Vec<_>>();
+    let passes = |s: &Scene| {
+        s.passes.reads.iter().chain(&s.passes.forces).chain(&s.passes.writes).map(|o| o.name()).collect::<Vec<_>>()
+    };
     assert_eq!(passes(&a), passes(&b));
-    assert!(a.state().late.is_empty());
+    assert!(a.state().ports.late.is_empty());
     let x = strokes(300);
     assert_eq!(run(&a, &x).end.bits(), run(&b, &x).end.bits());
-    assert_eq!(still("latency = 7").state().late.len(), 7);
+    assert_eq!(still("latency = 7").state().ports.late.len(), 7);
 }
 
 #[test]
@@ -85,7 +87,7 @@ fn positions_under_way_are_part_of_the_state() {
     let scene = still("latency = 3");
     let mut a = run(&scene, &strokes(100)).end;
     let b = a.bits();
-    a.late[1] += 1e-12;
+    a.ports.late[1] += 1e-12;
     assert_ne!(a.bits(), b);
 }
 
@@ -95,7 +97,7 @@ fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
         let x = strokes(600);
         let felt = run(&still(rate), &x);
         let numb = still(&format!("{rate}\nfeedback = false"));
-        assert!(!numb.forces.iter().any(|o| o.name == "TGR out"));
+        assert!(!numb.passes.forces.iter().any(|o| o.name() == "TGR out"));
         let numb = run(&numb, &x);
         assert!(felt.force.iter().any(|f| f64::from_bits(*f).abs() > 1.0));
         assert!(numb.force.iter().all(|f| *f == 0.0f64.to_bits()), "{rate}");
@@ -114,7 +116,7 @@ fn a_ledger_changes_no_bit_of_the_state() {
             for frames in [1, 2, 100, 300] {
                 let [a, b] = [&plain, &kept].map(|s| run(s, &x[..frames]).end);
                 assert!(a.ledger.is_none() && b.ledger.is_some());
-                assert_eq!(a.border, b.border, "{rate}: frame {frames}");
+                assert_eq!(a.ports.border, b.ports.border, "{rate}: frame {frames}");
                 assert_eq!(a.bits(), b.bits(), "{rate}: frame {frames}");
             }
             assert!(

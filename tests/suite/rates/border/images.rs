@@ -1,7 +1,7 @@
 //! Images of the gesture rate on the sound (E04): a held position prints a staircase, a line hardly does.
 
 use crate::play::{TURN, case, list, num, scene, within};
-use ca_core::border::frame_due;
+use ca_core::internal::border::frame_due;
 use ca_core::{Scene, tick};
 
 /// Level of the sound at `f` \[Hz\], dB, over one second of it.

@@ -5,7 +5,7 @@
 //! is below 1.
 
 use crate::play::{PI, case, list, mat, num, off, rows, scene, within};
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
 use ca_core::{Scene, State, tick};
 
 /// A device: mass \[kg\], friction \[N s/m\], length of a frame \[s\].
@@ -49,8 +49,8 @@ fn wall(row: &LoopRow, gesture: f64, k: f64) -> Scene {
 
 fn frame(scene: &Scene, s: &mut State, x: f64) -> f64 {
     s.input[0] = x;
-    (0..scene.ratio).for_each(|_| tick(scene, s));
-    s.border[0].force
+    (0..scene.rates.ratio).for_each(|_| tick(scene, s));
+    s.ports.border[0].force
 }
 
 /// The map of one frame, by columns: position and speed of the device, then what the border remembers.
@@ -62,18 +62,18 @@ fn map(scene: &Scene, device: &Device) -> Vec<Vec<f64>> {
     let column = |i: usize| {
         let unit = |j: usize| f64::from(u8::from(i == j));
         let mut s = still.clone();
-        (s.border[0].to, s.x[key]) = (unit(2), unit(2));
-        s.border[0].sum = unit(3);
-        s.late.iter_mut().enumerate().for_each(|(k, x)| *x = unit(4 + k));
+        (s.ports.border[0].to, s.x[key]) = (unit(2), unit(2));
+        s.ports.border[0].sum = unit(3);
+        s.ports.late.iter_mut().enumerate().for_each(|(k, x)| *x = unit(4 + k));
         let hand = [unit(0), unit(1)];
         let force = frame(scene, &mut s, hand[0]);
-        assert_eq!(s.x[key], s.border[0].to);
+        assert_eq!(s.x[key], s.ports.border[0].to);
         let [x, v] = device.go(hand, force);
         // at one rate nothing is collected
-        let sum = if scene.ratio > 1 { s.border[0].sum } else { 0.0 };
-        [&[x, v, s.border[0].to, sum], &s.late[..]].concat()
+        let sum = if scene.rates.ratio > 1 { s.ports.border[0].sum } else { 0.0 };
+        [&[x, v, s.ports.border[0].to, sum], &s.ports.late[..]].concat()
     };
-    (0..4 + still.late.len()).map(column).collect()
+    (0..4 + still.ports.late.len()).map(column).collect()
 }
 
 /// Logarithm of the spectral radius, by squaring 40 times.
@@ -171,7 +171,7 @@ fn e05_how_late_a_spring_is() {
         let (is, said) = (frames * 1e3 / 3000.0, delays(&scene));
         within(&format!("E05 R = {ratio}, {more}"), (is - want).abs(), tolerance);
         within(&format!("E05 R = {ratio}, {more}, as said"), (said.spring * 1e3 - want).abs(), tolerance);
-        let late = f64::from(scene.crossing.latency);
+        let late = f64::from(scene.ports.crossing.latency);
         within("gesture to force", (said.force - (1.0 + late) / 3000.0).abs(), 1e-15);
         assert_eq!((said.filter, said.sound), (0.0, said.force));
     }

@@ -6,7 +6,7 @@ mod looped;
 mod space;
 
 use crate::play::{Random, TURN, audited, case, mat, num, within};
-use ca_core::border::frame_due;
+use ca_core::internal::border::frame_due;
 use ca_core::{Scene, compute_forces, integrate};
 
 /// What the balance keeps to, far within the tolerance of its case.
@@ -89,9 +89,9 @@ fn play(scene: &Scene, x: &[f64]) -> Played {
         compute_forces(scene, &mut s);
         positions.push(s.x[key]);
         forces.push(s.f[key]);
-        let last = s.tick > 0 && s.tick.is_multiple_of(u64::from(scene.ratio));
+        let last = s.tick > 0 && s.tick.is_multiple_of(u64::from(scene.rates.ratio));
         if last {
-            frames -= s.border[0].force * (x[frame] - x[frame - 1]);
+            frames -= s.ports.border[0].force * (x[frame] - x[frame - 1]);
         }
         integrate(scene, &mut s);
     }
@@ -117,14 +117,14 @@ fn e01_the_border_makes_nothing() {
         for (name, link) in [("spring", SPRING), ("one-sided", ONE_SIDED)] {
             for border in ["linear", "hold"] {
                 let scene = held_by(border, sound, gesture, link);
-                assert_eq!(scene.ratio, sound / gesture);
+                assert_eq!(scene.rates.ratio, sound / gesture);
                 let p = play(&scene, &x);
-                let what = format!("E01 {name}, {border}, R = {}", scene.ratio);
+                let what = format!("E01 {name}, {border}, R = {}", scene.rates.ratio);
                 assert!(p.scale > 1e-3);
                 within(&format!("{what}, by the ledger"), (p.ticks - p.ledger).abs() / p.scale, EXACT);
                 within(&format!("{what}, by the ledger"), (p.received - p.ticks).abs() / p.scale, EXACT);
                 within(&format!("{what}, residual"), p.residual, 1e-12);
-                if scene.ratio > 1 {
+                if scene.rates.ratio > 1 {
                     within(&what, (p.frames - p.ticks).abs() / p.scale, EXACT);
                 } else {
                     // what is sent is the force of the tick, which does make energy
@@ -155,28 +155,28 @@ fn force_is_that_on_the_hand() {
         let scene = held(sound, gesture, "[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n");
         let mut s = scene.state();
         s.input[0] = 1e-3;
-        (0..=scene.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
-        within("20 N towards the wall", (s.border[0].force + 20.0).abs(), 1e-12);
+        (0..=scene.rates.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
+        within("20 N towards the wall", (s.ports.border[0].force + 20.0).abs(), 1e-12);
     }
     // a buffer below a key that dips into it pushes up
     let scene = held(48_000, 3000, "[BUT]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n");
     let mut s = scene.state();
     s.input[0] = -1e-3;
-    (0..=scene.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
-    within("20 N out of the wall", (s.border[0].force - 20.0).abs(), 1e-12);
+    (0..=scene.rates.ratio).for_each(|_| ca_core::tick(&scene, &mut s));
+    within("20 N out of the wall", (s.ports.border[0].force - 20.0).abs(), 1e-12);
 }
 
 #[test]
 fn at_one_rate_the_force_is_that_of_the_tick() {
     let scene = held(3000, 3000, SPRING);
-    assert_eq!(scene.ratio, 1);
+    assert_eq!(scene.rates.ratio, 1);
     let key = mat(&scene, "key");
     let mut s = scene.state();
     for x in hand(300, 3000.0) {
         s.input[0] = x;
         compute_forces(&scene, &mut s);
         if s.tick > 0 {
-            assert_eq!(s.border[0].force, s.f[key]);
+            assert_eq!(s.ports.border[0].force, s.f[key]);
             assert_eq!(s.x[key], x);
         }
         integrate(&scene, &mut s);

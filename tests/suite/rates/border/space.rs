@@ -2,7 +2,7 @@
 
 use super::hand;
 use crate::play::{audited, case, num, within};
-use ca_core::border::{delays, frame_due};
+use ca_core::internal::border::{delays, frame_due};
 use ca_core::tick;
 
 /// A ball on a spring to the hand, in a bowl.
@@ -26,8 +26,8 @@ out = { from = "plane.ball", along = [1, 0], dc = "7 Hz" }
 fn e01_in_a_plane() {
     for rate in ["", "border = \"hold\"", "latency = 3", "feedback = false"] {
         let scene = audited(&format!("[rate]\n{rate}\n{BOWL}"));
-        assert_eq!(scene.tgr.len(), 2);
-        assert_eq!(scene.state().late.len(), 2 * scene.crossing.latency as usize);
+        assert_eq!(scene.ports.tgr.len(), 2);
+        assert_eq!(scene.state().ports.late.len(), 2 * scene.ports.crossing.latency as usize);
         let x = hand(900, 3000.0);
         let mut s = scene.state();
         let mut frame = 0;
@@ -59,6 +59,6 @@ fn e01_in_a_plane() {
         let key = &scene.certificate.keys[0];
         assert_eq!((key.name.as_str(), key.k), ("plane.hand", 2000.0));
         assert!(delays(&scene).friction(key.k) > 0.6);
-        assert_eq!(scene.blockers.len(), 1);
+        assert_eq!(scene.out.blockers.len(), 1);
     }
 }

@@ -2,12 +2,12 @@
 
 use crate::play::{TURN, apart, off, scene, with, within};
 use ca_compile::Options;
-use ca_core::border::delays;
+use ca_core::internal::border::delays;
 use ca_core::{Scene, tick};
 
 /// Gain of the filter of the outputs at `f` times the rate of the ticks.
 fn gain(scene: &Scene, f: f64) -> f64 {
-    let (middle, sides) = scene.lowpass.split_last().expect("a filter");
+    let (middle, sides) = scene.out.lowpass.split_last().expect("a filter");
     let n = sides.len();
     let pair = |(i, h): (usize, &f64)| 2.0 * h * (TURN * f * (n - i) as f64).cos();
     (middle + sides.iter().enumerate().map(pair).sum::<f64>()).abs()

@@ -2,8 +2,7 @@
 
 use crate::play::{PI, TURN, mat, model, off, scene, within};
 use ca_compile::{Options, compile};
-use ca_core::scene::certificate::Level;
-use ca_core::tick;
+use ca_core::{Level, tick};
 use ca_tests::catalog;
 
 fn bob(k: f64, z: f64, times: u32) -> String {

@@ -6,10 +6,9 @@ mod limits;
 
 use crate::play::{TURN, apart, scene, with, within};
 use ca_compile::Options;
-use ca_core::border::frame_due;
-use ca_core::op::Op;
-use ca_core::scene::InputRole;
-use ca_core::{Scene, State, compute_forces, integrate, tick};
+use ca_core::internal::border::frame_due;
+use ca_core::internal::op::Op;
+use ca_core::{InputRole, Scene, State, compute_forces, integrate, tick};
 use ca_io::perform::Performance;
 
 /// A model whose samples have `times` ticks, and the same with so many samples.
@@ -34,7 +33,7 @@ fn finer(scene: &Scene, s: &mut State, times: u32, hand: Hand) {
 
 /// Writes the inputs of a tick: of devices once a frame, of ports now.
 fn give(scene: &Scene, s: &mut State, now: f64, hand: Hand) {
-    let frame = s.tick.div_ceil(u64::from(scene.ratio)) as f64;
+    let frame = s.tick.div_ceil(u64::from(scene.rates.ratio)) as f64;
     for (i, of) in scene.inputs.iter().enumerate() {
         if of.role != InputRole::Device {
             s.input[i] = now;
@@ -55,14 +54,17 @@ fn same_bits(what: &str, [coarse, fine]: &[Scene; 2], samples: u32, hand: Hand) 
             finer(fine, &mut b, times, hand);
         }
         let bits = |v: &[f64]| v.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-        let probes = |scene: &Scene, s: &State| bits(&s.output[scene.channels..]);
+        let probes = |scene: &Scene, s: &State| bits(&s.output[scene.counts.channels..]);
         assert_eq!(probes(coarse, &a), probes(fine, &b), "{what}, {times} ticks, sample {n}: probes");
-        for (name, a, b) in
-            [("x", &a.x[..], &b.x[..]), ("d", &a.d, &b.d), ("coef", &a.coef, &b.coef), ("mem", &a.mem, &b.mem)]
-        {
+        for (name, a, b) in [
+            ("x", &a.x[..], &b.x[..]),
+            ("d", &a.d, &b.d),
+            ("coef", &a.coef, &b.coef),
+            ("mem", &a.links.mem, &b.links.mem),
+        ] {
             assert_eq!(bits(a), bits(b), "{what}, {times} ticks, sample {n}: {name}");
         }
-        assert!(a.border == b.border && a.ledger == b.ledger, "{what}, {times} ticks, sample {n}");
+        assert!(a.ports.border == b.ports.border && a.ledger == b.ledger, "{what}, {times} ticks, sample {n}");
         assert_eq!((a.tick, b.tick), (u64::from(n) + 1, u64::from(n * times) + 1));
         most = a.x.iter().fold(most, |m, x| m.max(x.abs()));
     }
@@ -146,8 +148,8 @@ fn a_hand_is_led_through_all_ticks() {
         for gesture in [3000, 48_000] {
             let more = format!("gesture = {gesture}\n{more}");
             let scenes = coarse_and_fine(KEYED, &more, 4, &audited("h"));
-            assert_eq!((scenes[0].ratio, scenes[0].frame), (48_000 / gesture, 4 * 48_000 / gesture));
-            assert_eq!(scenes[1].ratio, scenes[0].frame);
+            assert_eq!((scenes[0].rates.ratio, scenes[0].rates.frame), (48_000 / gesture, 4 * 48_000 / gesture));
+            assert_eq!(scenes[1].rates.ratio, scenes[0].rates.frame);
             let most = same_bits(&more, &scenes, 2000, |n| 1e-3 * (0.01 * n).sin());
             assert!(most > 1e-4, "{more}: {most}");
         }
@@ -160,12 +162,12 @@ fn a_hand_is_led_through_all_ticks() {
         whole.input[0] = halves.input[0];
         compute_forces(&scene, &mut halves);
         assert_eq!(halves.tick, u64::from(n as u32));
-        let force = halves.border[0].force;
+        let force = halves.ports.border[0].force;
         integrate(&scene, &mut halves);
         tick(&scene, &mut whole);
-        assert!(halves == whole && force.to_bits() == whole.border[0].force.to_bits());
+        assert!(halves == whole && force.to_bits() == whole.ports.border[0].force.to_bits());
     }
-    assert!(whole.border[0].force.abs() > 1e-4);
+    assert!(whole.ports.border[0].force.abs() > 1e-4);
 }
 
 /// A change of a live parameter takes a whole gesture frame here as there.
@@ -187,7 +189,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
     run(&mut a, &mut b, 32);
     for (scene, s) in [(&coarse, &mut a), (&fine, &mut b)] {
         let patch = scene.controls().set("stiff", 9e3).expect("in range");
-        assert!(s.apply(&patch, scene.frame));
+        assert!(s.apply(&patch, scene.rates.frame));
     }
     run(&mut a, &mut b, 15);
     assert!(a.ramps.is_moving());
@@ -217,7 +219,7 @@ fn gestures_are_the_same() {
         for n in 0..4000 / scene.oversample() {
             p.tick();
             if n % (4 / scene.oversample()) == 0 {
-                heard.push(p.state.output[scene.channels]);
+                heard.push(p.state.output[scene.counts.channels]);
             }
         }
         heard
@@ -268,8 +270,8 @@ fn what_is_no_number_is_refused_once_a_sample() {
         tick(&scene, &mut s);
         tick(&scene, &mut zero);
     }
-    assert_eq!((s.refused, zero.refused), (4, 0));
-    s.refused = 0;
+    assert_eq!((s.ports.refused, zero.ports.refused), (4, 0));
+    s.ports.refused = 0;
     assert!(s == zero);
 }
 
@@ -304,13 +306,13 @@ fn it_is_part_of_the_state() {
     play(&mut s, 51);
     play(&mut copy, 51);
     assert!(s == copy && s.bits() == copy.bits());
-    copy.glide[0][1] += 1e-12;
+    copy.ports.glide[0][1] += 1e-12;
     assert!(s.bits() != copy.bits());
 }
 
 fn passes(scene: &Scene) -> Vec<&'static str> {
-    let all: [&[Op]; 4] = [&scene.reads, scene.summed(), &scene.writes, &scene.moves];
-    all.into_iter().flatten().map(|o| o.name).collect()
+    let all: [&[Op]; 4] = [&scene.passes.reads, scene.passes.summed(), &scene.passes.writes, &scene.passes.moves];
+    all.into_iter().flatten().map(|o| o.name()).collect()
 }
 
 #[test]
@@ -319,26 +321,29 @@ fn only_who_asks_has_it() {
         let [plain, one, four] =
             ["", "[rate]\noversample = 1\n", "[rate]\noversample = 4\n"].map(|r| scene(&format!("{text}{r}")));
         assert!(
-            plain.substeps.is_none() && one.substeps.is_none() && plain.lowpass.is_empty() && one.lowpass.is_empty()
+            plain.rates.substeps.is_none()
+                && one.rates.substeps.is_none()
+                && plain.out.lowpass.is_empty()
+                && one.out.lowpass.is_empty()
         );
         assert_eq!(passes(&plain), passes(&one));
-        assert!(plain.state() == one.state() && one.state().glide.is_empty());
+        assert!(plain.state() == one.state() && one.state().ports.glide.is_empty());
         let own = ["ticks between", "inputs", "low pass", "to samples", "to ticks"];
         assert!(passes(&plain).iter().all(|p| !own.contains(p)));
         // and who asks has what it had and that, inputs only where something is given
         let ports = four.inputs.iter().any(|i| i.role != InputRole::Device);
         let had: Vec<_> = passes(&four).into_iter().filter(|p| !own.contains(p)).collect();
         assert_eq!(had, passes(&plain));
-        assert_eq!((passes(&four).contains(&"inputs"), four.state().glide.is_empty()), (ports, !ports));
+        assert_eq!((passes(&four).contains(&"inputs"), four.state().ports.glide.is_empty()), (ports, !ports));
     }
     // where no channel is, no filter is, and nobody listens between samples
     let probed = "[rate]\noversample = 4\n[CEL]\nbar = { m = 1, f = 500, dx0 = 1 }\n";
     let scene = with(probed, &Options { probes: vec!["bar".into()], ..Options::default() });
-    assert!(scene.lowpass.is_empty() && scene.state().lowpass.is_empty());
+    assert!(scene.out.lowpass.is_empty() && scene.state().ports.lowpass.is_empty());
     let mut s = scene.state();
     tick(&scene, &mut s);
     s.output.fill(7.0);
-    let between = scene.reads[0];
+    let between = scene.passes.reads[0];
     (between.kernel)(&between, &scene.layout, &mut s);
-    assert!(between.name == "ticks between" && s.output.iter().all(|v| *v == 7.0));
+    assert!(between.name() == "ticks between" && s.output.iter().all(|v| *v == 7.0));
 }

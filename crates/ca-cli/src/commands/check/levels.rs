@@ -24,8 +24,8 @@ pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure
     let performance = Performance::new(scene, None)?;
     let seconds = ca_lab::play::seconds(&performance, None);
     let frames = ca_lab::play::frames(scene, seconds);
-    let n = scene.channels.max(1);
-    let mut peaks = vec![0.0_f64; scene.channels];
+    let n = scene.counts.channels.max(1);
+    let mut peaks = vec![0.0_f64; scene.counts.channels];
     let played = play(performance, frames.into(), 1024, show, &mut |_, rows| {
         for frame in rows.chunks_exact(n) {
             for (peak, x) in peaks.iter_mut().zip(frame) {
@@ -37,7 +37,7 @@ pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure
     if played.diverged_at.is_some() {
         term::warning("the model diverges, so its levels say nothing");
     }
-    Ok(scene.channel_names.iter().zip(peaks).map(|(name, peak)| LevelRow { name: name.clone(), peak }).collect())
+    Ok(scene.names.channel_names.iter().zip(peaks).map(|(name, peak)| LevelRow { name: name.clone(), peak }).collect())
 }
 
 impl LevelRow {

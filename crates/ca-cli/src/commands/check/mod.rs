@@ -98,22 +98,24 @@ fn once(args: &CheckArgs, files: &mut Vec<String>) -> Outcome {
 }
 
 fn ops(scene: &Scene) -> usize {
-    scene.reads.len() + scene.summed().len() + scene.writes.len() + scene.moves.len()
+    scene.passes.reads.len() + scene.passes.summed().len() + scene.passes.writes.len() + scene.passes.moves.len()
 }
 
 fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
+    let title = if scene.about.title.is_empty() { &loaded.name } else { &scene.about.title };
     writeln!(out, "{title}")?;
     let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
     writeln!(out, "  modules    {} MAT, {} LIA: {}", scene.mats(), scene.lias(), by_code.join(", "))?;
-    for (op, name) in scene.forces.iter().enumerate().map(|(i, op)| (op, scene.lia_name(i, 0))) {
+    for (op, name) in
+        scene.passes.forces.iter().enumerate().map(|(i, op)| (op, ca_core::internal::scene::lia_name(scene, i, 0)))
+    {
         if let Some(set) = op.ports.pair_set {
-            writeln!(out, "             `{name}` joins all {} pairs", scene.pair_sets[set].pairs())?;
+            writeln!(out, "             `{name}` joins all {} pairs", scene.links.pair_sets[set].pairs())?;
         }
     }
     writeln!(out, "  passes     {} in a tick", ops(scene))?;
-    let heard = if scene.channel_names.is_empty() { "none".into() } else { scene.channel_names.join(", ") };
+    let heard = if scene.names.channel_names.is_empty() { "none".into() } else { scene.names.channel_names.join(", ") };
     writeln!(out, "  outputs    {heard}")?;
     if !scene.inputs.is_empty() {
         for (n, line) in inputs::lines(scene).iter().enumerate() {
@@ -177,8 +179,8 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     if let Some(contact) = contacting(c) {
         writeln!(out, "  contacts   {contact}")?;
     }
-    if let Some(depth) = &c.depth {
-        writeln!(out, "  {:<10} {}", if c.contact > 0.0 { "" } else { "contacts" }, deepening(depth))?;
+    if let Some(depth) = &c.rules.depth {
+        writeln!(out, "  {:<10} {}", if c.rules.contact > 0.0 { "" } else { "contacts" }, deepening(depth))?;
     }
     if let Some(open) = opened(c) {
         writeln!(out, "  not judged {open}")?;
@@ -192,13 +194,13 @@ fn summary_json(loaded: &Loaded, scene: &Scene) -> Json {
     let live: Vec<&str> = scene.live.params.iter().map(|p| p.name.as_str()).collect();
     let driven: Vec<Json> = scene.live.driven.iter().map(|d| json!({"name": d.param.name, "port": d.port})).collect();
     json!({
-        "name": loaded.name, "title": scene.title, "n_mat": scene.mats(), "n_lia": scene.lias(), "modules": codes,
-        "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.ratio),
-        "ratio": scene.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
-        "outputs": scene.channel_names, "inputs": inputs,
-        "slow": scene.slow.as_ref().map(|g| json!({
+        "name": loaded.name, "title": scene.about.title, "n_mat": scene.mats(), "n_lia": scene.lias(), "modules": codes,
+        "passes": ops(scene), "rate": scene.rate, "gesture_rate": scene.rate / f64::from(scene.rates.ratio),
+        "ratio": scene.rates.ratio, "oversample": scene.oversample(), "latency": border::json(scene),
+        "outputs": scene.names.channel_names, "inputs": inputs,
+        "slow": scene.rates.slow.as_ref().map(|g| json!({
             "masses": g.masses, "links": g.links, "coupled": g.coupled, "compensated": g.compensated,
         })),
-        "live": live, "driven": driven, "seconds": scene.seconds, "stability": stability_json(&scene.certificate),
+        "live": live, "driven": driven, "seconds": scene.about.seconds, "stability": stability_json(&scene.certificate),
     })
 }

@@ -22,13 +22,13 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
     for (r, form) in m.rows.iter().zip(forms) {
         let stage = if r.stage == last { "" } else { r.stage };
         last = r.stage;
-        let (n, name) = (r.modules, r.op.name);
+        let (n, name) = (r.modules, r.op.name());
         let each = r.ns / n.max(1) as f64;
         let predicted = r.instructions.map_or("-".into(), |n| format!("{:.1}", n * m.ns_per_instruction));
         let name = pairs(scene, &r.op).map_or(name.to_string(), |p| format!("{name} ({p} pairs)"));
         writeln!(out, "  {stage:<7} {name:<15} {n:>8}  {form:<wide$} {:>10.1} {predicted:>10} {each:>10.2}", r.ns)?;
     }
-    let budget = 1e9 * scene.sample_dt;
+    let budget = 1e9 * scene.rates.sample_dt;
     writeln!(
         out,
         "  whole tick {:.1} ns of {budget:.0} ns: {} times real time on one core",
@@ -44,15 +44,15 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
         m.instructions,
         m.ns_per_instruction
     )?;
-    if let Some((group, step)) = scene.slow.as_ref().zip(m.step) {
+    if let Some((group, step)) = scene.rates.slow.as_ref().zip(m.step) {
         writeln!(
             out,
             "  the group: {} masses and {} links take {step:.1} ns once in {} ticks, which at the sound rate each tick would take",
-            group.masses, group.links, scene.frame
+            group.masses, group.links, scene.rates.frame
         )?;
     }
     writeln!(out, "\nLeft out:")?;
-    for what in &scene.left_out {
+    for what in &scene.about.left_out {
         writeln!(out, "  {what}")?;
     }
     writeln!(out, "  {}", absent(scene).join(", "))?;
@@ -68,7 +68,7 @@ pub(super) fn json(scene: &Scene, m: &Schedule) -> Json {
             let of_links = r.op.law.is_some();
             let n = r.modules;
             json!({
-                "stage": r.stage, "pass": r.op.name, "modules": n, "stride": of_links.then_some(r.op.form.stride),
+                "stage": r.stage, "pass": r.op.name(), "modules": n, "stride": of_links.then_some(r.op.form.stride),
                 "offset": of_links.then_some(r.op.form.offset), "tap": of_links.then_some(r.op.form.tap),
                 "pairs": pairs(scene, &r.op), "ns_per_tick": r.ns, "ns_per_module": r.ns / n.max(1) as f64,
                 "instructions_predicted": r.instructions,
@@ -77,9 +77,9 @@ pub(super) fn json(scene: &Scene, m: &Schedule) -> Json {
         })
         .collect();
     json!({
-        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.sample_dt, "measured": "here",
+        "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.rates.sample_dt, "measured": "here",
         "instructions_predicted": m.instructions, "ns_predicted": m.instructions * m.ns_per_instruction,
         "ns_per_instruction": m.ns_per_instruction,
-        "ns_of_group_per_frame": m.step, "left_out": scene.left_out, "absent": absent(scene),
+        "ns_of_group_per_frame": m.step, "left_out": scene.about.left_out, "absent": absent(scene),
     })
 }

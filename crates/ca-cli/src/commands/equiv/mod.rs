@@ -26,7 +26,7 @@ pub fn run(args: &EquivArgs) -> Outcome {
     let imported = loaded.is_imported();
     let mut text = if imported { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
-        text = changed(&text, &loaded.model, &scene.equivalence, args)?;
+        text = changed(&text, &loaded.model, &scene.hand.equivalence, args)?;
         loaded = ca_lab::load::reread(&loaded, &text);
         scene = load::scene(&loaded, &Options::default())?;
     }

@@ -2,7 +2,6 @@
 
 use crate::load::Loaded;
 use crate::outcome::Failure;
-use ca_core::Scene;
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, Scale};
 use ca_core::kind::Unit;
 use ca_lab::facts::border::scale_of;
@@ -18,11 +17,11 @@ pub(super) struct EquivalenceTable<'a> {
 
 impl<'a> EquivalenceTable<'a> {
     pub(super) fn new(loaded: &'a Loaded, scene: &'a Scene) -> EquivalenceTable<'a> {
-        EquivalenceTable { name: if scene.title.is_empty() { &loaded.name } else { &scene.title }, scene }
+        EquivalenceTable { name: if scene.about.title.is_empty() { &loaded.name } else { &scene.about.title }, scene }
     }
 
     fn e(&self) -> &Equivalence {
-        &self.scene.equivalence
+        &self.scene.hand.equivalence
     }
 
     fn alg(&self) -> bool {
@@ -49,7 +48,7 @@ impl<'a> EquivalenceTable<'a> {
         } else {
             writeln!(out, "  the model's numbers are in SI: real = factor × simulated")?;
         }
-        if self.scene.tgr.is_empty() {
+        if self.scene.ports.tgr.is_empty() {
             writeln!(out, "  no device key (TGR): nothing of this is felt")?;
         }
         let keys: Vec<&Scale> = e.keys.iter().collect();

@@ -16,8 +16,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_compile::{KernelClass, Options};
-use ca_core::scene::Location;
-use ca_core::{Scene, State};
+use ca_core::{Location, Scene, State};
 use ca_io::atomic_file::is_stdout;
 use ca_io::ending::{Ending, RenderOut};
 use ca_io::files::Files;
@@ -56,13 +55,13 @@ pub fn run(args: &RenderArgs) -> Outcome {
         exact: false,
         bounds_only: false,
         whole: false,
-        precision: ca_core::numeric::Precision::Double,
+        precision: ca_core::Precision::Double,
         arithmetic: None,
         couplings: Vec::new(),
     };
     let mut scene = load::scene(&loaded, &options)?;
     let second = scene.audited.take();
-    if scene.channels == 0 {
+    if scene.counts.channels == 0 {
         let what = format!("`{}` has no output, so there is nothing to write", loaded.name);
         return Err(Failure::Failed(format!("{what}; add e.g. `[SOX]` with `out = {{ from = \"…\" }}`")));
     }
@@ -77,13 +76,13 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let ending = Ending { format, flac, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
     // before there is a file that would be left behind; a pipe that is read before it may wait for ever
     listen();
-    let wav = RenderOut::create(&output, scene.rate, scene.channels, ending)?;
+    let wav = RenderOut::create(&output, scene.rate, scene.counts.channels, ending)?;
     let outs = open_probes(&probes, &scene)?;
     let show = !args.quiet && !args.json;
-    let mut files = Files::new(wav, outs, scene.channels, scene.rate);
+    let mut files = Files::new(wav, outs, scene.counts.channels, scene.rate);
     let mut done = 0;
     let mut heard = |rows: &[f64]| -> Result<(), Failure> {
-        done += rows.len() / scene.n_out.max(1);
+        done += rows.len() / scene.counts.n_out.max(1);
         Ok(files.write(rows)?)
     };
     let played = play(performance, length, play::BLOCK, show, &mut |_, rows| heard(rows));
@@ -119,7 +118,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         wall: played.wall,
         energy: energy.as_ref(),
         divergence: divergence.as_ref(),
-        refused: played.performance.state.refused,
+        refused: played.performance.state.ports.refused,
         warnings: load::warnings(&scene.findings),
         probes: &probes,
     };
@@ -218,7 +217,7 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
 fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>, Failure> {
     let mut outs = Vec::new();
     for (i, p) in probes.iter().enumerate() {
-        let columns = scene.probe_names.iter().zip(&scene.probe_of);
+        let columns = scene.names.probe_names.iter().zip(&scene.names.probe_of);
         let own: Vec<&str> = columns.filter(|(_, of)| **of as usize == i).map(|(n, _)| n.as_str()).collect();
         if own.is_empty() {
             let what = format!("--probe: `{}` does nothing, so it was left out", p.name);

@@ -101,7 +101,7 @@ impl Summary<'_> {
         }
         if self.divergence.is_none() && !self.args.quiet {
             for (channel, share) in &self.slow {
-                let name = self.scene.channel_names.get(*channel).map_or("", String::as_str);
+                let name = self.scene.names.channel_names.get(*channel).map_or("", String::as_str);
                 let percent = (100.0 * share).round();
                 let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
                 let help = match self.furthest.as_str() {
@@ -122,7 +122,7 @@ impl Summary<'_> {
                 let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it by the {n}"));
                 format!("it can be played at {} by `--gesture`{midi}", ticked(ports.into_iter()))
             };
-            let plays = !self.args.playing.gesture.is_empty() || !self.scene.gestures.is_empty();
+            let plays = !self.args.playing.gesture.is_empty() || !self.scene.about.gestures.is_empty();
             let why = if plays { ", what its gesture moves does not reach an output" } else { "" };
             term::note(&format!("nothing sounds{why}; {help}"));
         }
@@ -175,7 +175,7 @@ impl Summary<'_> {
         if self.ended.faded {
             writeln!(out, "  ending     still sounds: its last 20 ms are faded; `--no-fade` leaves them")?;
         }
-        let name = |i: usize| self.scene.channel_names.get(i).map_or("?", String::as_str);
+        let name = |i: usize| self.scene.names.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
             .map(|i| format!("{} {}", name(i), level(w.level.peak[i], self.divergence.is_some())))
             .collect();
@@ -197,7 +197,7 @@ impl Summary<'_> {
 
     fn energy(&self, out: &mut impl std::io::Write, a: &Audit) -> Result<(), Failure> {
         let b = a.ledger.balance();
-        let time = a.ticks as f64 * self.scene.sample_dt;
+        let time = a.ticks as f64 * self.scene.rates.sample_dt;
         if let Some(divergence) = self.divergence {
             // how large all was at the last tick in range measures the divergence and nothing else
             let grows = grows(self.scene, &a.ledger);
@@ -239,7 +239,7 @@ impl Summary<'_> {
             writeln!(
                 out,
                 "      {} of it by the compensated border of groups at the gesture rate",
-                joule(a.ledger.border)
+                joule(a.ledger.groups.border)
             )?;
         }
         writeln!(out, "    stored   {}", joule(b.h))?;
@@ -259,7 +259,7 @@ impl Summary<'_> {
         let channels: Vec<Json> = (0..w.level.peak.len())
             .map(|i| {
                 let dbfs = (w.level.peak[i] > 0.0).then(|| decibel(w.level.peak[i]));
-                json!({"name": self.scene.channel_names.get(i), "peak": w.level.peak[i], "peak_dbfs": dbfs})
+                json!({"name": self.scene.names.channel_names.get(i), "peak": w.level.peak[i], "peak_dbfs": dbfs})
             })
             .collect();
         let energy = self.energy.map(|a| {
@@ -271,10 +271,10 @@ impl Summary<'_> {
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
             json!({
-                "seconds": a.ticks as f64 * self.scene.sample_dt, "whole": a.whole, "residual": b.residual,
+                "seconds": a.ticks as f64 * self.scene.rates.sample_dt, "whole": a.whole, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
-                "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.border),
+                "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.groups.border),
             })
         });
         let divergence =
@@ -304,8 +304,8 @@ pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),
         "exact": c.exact, "largest": c.largest.map(|l| [l.0, l.1]), "ripple": c.ripple,
-        "worst": c.worst, "contact": c.contact, "stiffest": c.stiffest,
-        "depth": c.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.friction,
-        "closed": c.closed, "decides": c.decides, "open": c.open, "not_judged": c.not_judged,
+        "worst": c.worst, "contact": c.rules.contact, "stiffest": c.rules.stiffest,
+        "depth": c.rules.depth.as_ref().map(|(name, m)| json!({"contact": name, "m": m})), "friction": c.rules.friction,
+        "closed": c.rules.closed, "decides": c.rules.decides, "open": c.rules.open, "not_judged": c.not_judged,
     })
 }

@@ -26,7 +26,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
     // the ledger changes no bit of what is played, which the comparison shows
     take.header.options.energy |= args.energy;
     let mut replay = Replay::new(&take, &catalog())?;
-    let channels = replay.engine.scene.channels;
+    let channels = replay.engine.scene.counts.channels;
     let wav = args.output.as_ref().map(|p| WavOut::create(p, take.header.rate, channels, Format::F32));
     let mut wav = wav.transpose()?;
     let verdict = replay.run(&take, &mut |_| (), &mut |heard| wav.as_mut().map_or(Ok(()), |w| w.write(heard)))?;

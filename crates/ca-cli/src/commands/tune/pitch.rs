@@ -1,7 +1,7 @@
 //! Pitches as people write them: hertz, or notes with octave and cents; and scales.
 
 use crate::args::Scale;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::quantity;
 
 /// A pitch \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.

@@ -9,11 +9,11 @@ use crate::net::{End, LiaNode, MatRole, Measure, OutputTap};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::method::implicit::Inertia;
-use ca_core::numeric::Precision;
-use ca_core::numeric::ldl::Pattern;
-use ca_core::op::Op;
-use ca_core::op::layout::{ImplicitLinks, LinkForce, Pair};
+use ca_core::Precision;
+use ca_core::internal::method::implicit::Inertia;
+use ca_core::internal::numeric::ldl::Pattern;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::{ImplicitLinks, LinkForce, Pair};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 

@@ -7,9 +7,9 @@
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::op::layout::{Layout, Substeps};
-use ca_core::op::{Op, Pass};
-use ca_core::scene::InputRole;
+use ca_core::InputRole;
+use ca_core::internal::op::layout::{Layout, Substeps};
+use ca_core::internal::op::{Op, Pass};
 
 /// Puts the ticks between samples in front of the passes of a sample, if the model asks for some.
 pub fn oversample(
@@ -31,9 +31,9 @@ pub fn oversample(
     }
     // between samples nobody listens but the filter
     let unheard = |op: &Op| if op.pass == Pass::LowPass { Op::pass(Pass::Remember, op.n) } else { *op };
-    let heard = writes.iter().filter(|_| !layout.lowpass.is_empty()).map(unheard);
+    let heard = writes.iter().filter(|_| !layout.out.lowpass.is_empty()).map(unheard);
     let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
-    layout.substeps = Some(Substeps { times: net.oversample, tick: ops.into(), inputs });
+    layout.rates.substeps = Some(Substeps { times: net.oversample, tick: ops.into(), inputs });
     reads.insert(0, Op::pass(Pass::Between, net.oversample as usize - 1));
     writes.push(Op::pass(Pass::ToSamples, 1));
     moves.insert(0, Op::pass(Pass::ToTicks, 1));

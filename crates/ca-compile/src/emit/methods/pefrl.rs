@@ -1,20 +1,20 @@
-//! PEFRL: what its tick runs ([`ca_core::method::pefrl`]).
+//! PEFRL: what its tick runs ([`ca_core::internal::method::pefrl`]).
 
 use alloc::vec::Vec;
-use ca_core::method::pefrl::{DRIFTS, KICKS};
-use ca_core::op::layout::Layout;
-use ca_core::op::{Op, Pass};
+use ca_core::internal::method::pefrl::{DRIFTS, KICKS};
+use ca_core::internal::op::layout::Layout;
+use ca_core::internal::op::{Op, Pass};
 
 /// What moves masses: drifts, and between them the `forces` again and a kick. `own`: there are springs of cells.
 pub fn moves(layout: &Layout, forces: &[Op], own: bool) -> Vec<Op> {
-    let (n, points) = (layout.n_mat, layout.moving_points.len());
+    let (n, points) = (layout.counts.n_mat, layout.places.moving_points.len());
     if n == 0 {
         return Vec::new();
     }
     let kick = Pass::Kick { own };
     // what a port refuses was counted at the beginning of the tick
     let again = |op: &Op| {
-        if op.name == "ENF" { Op { first: op.first, ..Op::pass(Pass::Enf { counted: false }, op.n) } } else { *op }
+        if op.name() == "ENF" { Op { first: op.first, ..Op::pass(Pass::Enf { counted: false }, op.n) } } else { *op }
     };
     let mut list = Vec::new();
     for first in 0..DRIFTS.len() {

@@ -7,7 +7,7 @@ use crate::emit::rows::batch::Batch;
 use crate::net::lines::LineNode;
 use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;
-use ca_core::op::layout::MeasureKind;
+use ca_core::internal::op::layout::MeasureKind;
 
 /// What is added to the forces on all slots.
 pub struct Added {

@@ -9,8 +9,8 @@ use crate::emit::plan::Plan;
 use crate::emit::rows::added::Added;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use alloc::vec::Vec;
-use ca_core::op::Band;
-use ca_core::state::Fold;
+use ca_core::internal::op::Band;
+use ca_core::internal::state::Fold;
 use core::ops::Range;
 
 /// The slots of a batch that is a row.

@@ -6,8 +6,8 @@
 use crate::emit::plan::Plan;
 use crate::net::Pruned;
 use alloc::vec::Vec;
-use ca_core::numeric::Precision;
-use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
+use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind};
+use ca_core::{Law, Precision};
 
 /// In place of a link between two rows that run as one: it has no force.
 pub const JOINT: u32 = u32::MAX;
@@ -24,7 +24,7 @@ pub struct Batch {
     pub hub: Hub,
     /// what the pass integrates too
     pub integrate: Integrate,
-    /// true where the row stands in the order of [`Fold`](ca_core::state::Fold)
+    /// true where the row stands in the order of [`Fold`](ca_core::internal::state::Fold)
     pub folded: bool,
     /// the mesh it is part of, where that runs as one
     pub mesh: Option<Mesh>,
@@ -41,7 +41,7 @@ impl Batch {
     /// True for links on a line, of no later turn, that go by no row.
     pub fn is_looked_up(&self, plan: &Plan) -> bool {
         let in_a_row = self.stride > 0 || self.hub != Hub::None || self.folded || self.mesh.is_some();
-        if in_a_row || self.law.is_staged() || self.links.contains(&JOINT) {
+        if in_a_row || !self.law.stage.is_explicit() || self.links.contains(&JOINT) {
             return false;
         }
         let shape = plan.shape(self.links[0], self.law);

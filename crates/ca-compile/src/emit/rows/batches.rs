@@ -5,8 +5,9 @@ use crate::emit::rows::batch::Batch;
 use crate::emit::rows::space::{POINT, SHORTEST as SHORTEST_IN_SPACE};
 use crate::options::KernelClass;
 use alloc::vec::Vec;
-use ca_core::op::{Band, Hub, Integrate, Law, MeasureKind};
-use ca_core::phi::{implicit, res};
+use ca_core::Law;
+use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind};
+use ca_core::internal::phi::{implicit, res};
 
 /// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
 /// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22. In instructions, by
@@ -37,7 +38,7 @@ impl Plan<'_> {
         };
         let (grouped, sorted) = self.grouped(class, &laws);
         let mut all: Vec<Batch> = grouped.into_iter().map(batch).collect();
-        all.sort_by_key(|b| b.law.is_staged());
+        all.sort_by_key(|b| !b.law.stage.is_explicit());
         (all, sorted)
     }
 
@@ -58,7 +59,7 @@ impl Plan<'_> {
         }
         let plain = |l: u32| {
             let at = shape(l);
-            at.onto.is_none() && at.set.is_none() && !laws[l as usize].is_staged()
+            at.onto.is_none() && at.set.is_none() && laws[l as usize].stage.is_explicit()
         };
         let others = |group: &Vec<u32>| {
             let law = laws[group[0] as usize];

@@ -13,14 +13,14 @@ use crate::net::{End, MatNode};
 use crate::options::{KernelClass, Options};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
-use ca_core::op::Hub;
+use ca_core::internal::op::Hub;
 
 impl Plan<'_> {
     /// The order of the MATs with those in the order of the document that are in none of the rows among `batches`, and on whose
     /// place nothing else hangs; where that makes fans, otherwise `None`.
     pub fn settled(&self, order: &[u32], options: &Options, batches: &[Batch]) -> Option<Vec<u32>> {
         let net = self.net;
-        let staged = batches.iter().any(|b| b.law.implicit || b.law.is_staged());
+        let staged = batches.iter().any(|b| b.law.implicit || !b.law.stage.is_explicit());
         if options.kernel != KernelClass::Fast || staged || net.as_milib || net.is_composed() {
             return None;
         }

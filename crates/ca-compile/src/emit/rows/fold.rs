@@ -13,8 +13,8 @@ use crate::emit::plan::Plan;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh, can_fold};
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
-use ca_core::op::{Band, Integrate};
-use ca_core::state::Fold;
+use ca_core::internal::op::{Band, Integrate};
+use ca_core::internal::state::Fold;
 
 /// Which batches are rows that are worth it, as [`cost`] says. Other rows over their masses will go by places in a row no more:
 /// they are looked up one by one.

@@ -14,16 +14,16 @@ use crate::emit::rows::batch::Batch;
 use crate::emit::rows::batch::can_fold;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::op::heard::COEFS;
-use ca_core::op::layout::Account;
-use ca_core::op::{Band, Form, Integrate, Op};
-use ca_core::scene::Symbols;
+use ca_core::internal::op::heard::COEFS;
+use ca_core::internal::op::layout::Account;
+use ca_core::internal::op::{Band, Form, Integrate, Op};
+use ca_core::internal::scene::symbols::SymbolsBuilder;
 
 /// Marks the rows that integrate their masses, which are of these `classes` slot by slot; what does not move among them
 /// gets theirs.
 pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
     let net = plan.net;
-    let staged = batches.iter().any(|b| b.law.implicit || b.law.is_staged());
+    let staged = batches.iter().any(|b| b.law.implicit || !b.law.stage.is_explicit());
     if options.kernel != KernelClass::Fast || staged || net.as_milib || net.is_composed() {
         return;
     }
@@ -78,7 +78,7 @@ pub struct Passes<'a> {
     /// integration
     pub moves: &'a mut Vec<Op>,
     /// modules by name
-    pub symbols: &'a mut Symbols,
+    pub symbols: &'a mut SymbolsBuilder,
     /// batches of links in the ledger, where there is one
     pub accounts: &'a mut [Account],
 }

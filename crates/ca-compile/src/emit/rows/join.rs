@@ -9,7 +9,7 @@ use crate::emit::rows::bands;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::op::Integrate;
+use ca_core::internal::op::Integrate;
 
 impl Plan<'_> {
     /// Rows joined to longer ones where the next begins soon behind the one before: a pass for each row of a mesh waits

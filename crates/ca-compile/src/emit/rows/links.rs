@@ -7,10 +7,11 @@ use crate::net::{End, Measure, Pruned, elongation};
 use crate::options::Options;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
-use ca_core::live::{Loader, Source};
-use ca_core::op::layout::{HeardLink, PairSet};
-use ca_core::op::{Band, Form, Integrate, Law, MeasureKind, Op, Ports, SolveStage};
-use ca_core::state::Fold;
+use ca_core::Law;
+use ca_core::internal::live::{Loader, Source};
+use ca_core::internal::op::layout::{HeardLink, PairSet};
+use ca_core::internal::op::{Band, Form, Integrate, MeasureKind, Op, Ports, SolveStage};
+use ca_core::internal::state::Fold;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -43,8 +44,8 @@ pub struct Links {
 }
 
 /// Tables that laws bring with them, in order of first use, after those of the model.
-pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::numeric::Table)> {
-    let mut own: Vec<(&'static Law, ca_core::numeric::Table)> = Vec::new();
+pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::Table)> {
+    let mut own: Vec<(&'static Law, ca_core::Table)> = Vec::new();
     for l in &net.lias {
         if let Some(table) = l.law.table {
             if !own.iter().any(|(law, _)| core::ptr::eq(*law, l.law)) {
@@ -90,7 +91,7 @@ impl Plan<'_> {
         let scratch = batches.iter().filter(passing).map(|b| b.links.len() + 2).max().unwrap_or(0);
         let mut k = Links {
             forces: Vec::new(),
-            late: batches.iter().filter(|b| !b.law.is_staged()).count(),
+            late: batches.iter().filter(|b| b.law.stage.is_explicit()).count(),
             touch: 0,
             ends: Vec::with_capacity(net.lias.len()),
             onto: Vec::new(),

@@ -8,7 +8,7 @@
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
-use ca_core::kind::Role;
+use ca_core::Role;
 
 /// Links in a row, at least; rows that are too short to run as such still have their order.
 const SHORTEST: usize = 2;

@@ -4,7 +4,7 @@
 //! each row of a cloth would have twenty beginnings and ends.
 
 use alloc::vec::Vec;
-use ca_core::op::{MeasureKind, Op};
+use ca_core::internal::op::{MeasureKind, Op};
 
 /// Shorter rows are looked up as others are.
 pub const SHORTEST: usize = 4;
@@ -12,7 +12,7 @@ pub const SHORTEST: usize = 4;
 /// Places of a point.
 pub const POINT: u32 = 3;
 
-/// See [`Layout::rows`](ca_core::op::layout::Layout::rows), for the links of `forces`.
+/// See [`LinkArrays::rows`](ca_core::internal::op::layout::LinkArrays::rows), for the links of `forces`.
 pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[f64; 4]], rest: &[f64]) -> Vec<i32> {
     let mut rows = alloc::vec![-1; reach.len()];
     for op in forces.iter().filter(|op| op.ports.measure == MeasureKind::Radial && op.ports.onto.is_none()) {

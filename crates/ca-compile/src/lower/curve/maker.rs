@@ -4,7 +4,7 @@ use super::{Curves, DAY, MOST, Points};
 use crate::findings::{unit_span, wanted, wrong_unit};
 use alloc::format;
 use alloc::vec::Vec;
-use ca_core::kind::{ABOVE_ZERO, ANY, Dim, Unit};
+use ca_core::{ABOVE_ZERO, ANY, Dim, Unit};
 use ca_model::diag::Diag;
 use ca_model::quantity::{self, Plain};
 use ca_model::suggest::nearest;

@@ -12,7 +12,8 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::kind::Unit;
+use ca_core::Unit;
+use ca_core::internal::kind::alg_to_si;
 use ca_model::diag::Diag;
 use ca_model::quantity::Plain;
 use ca_model::sections::CURVES;
@@ -62,7 +63,7 @@ impl Curves<'_, '_> {
             for (p, written) in points.iter_mut().zip(list) {
                 if let Value::List(pair) = &written.value {
                     if matches!(pair[1].value, Value::Num(_)) {
-                        p[1] *= self.unit.dim.alg_to_si(tr);
+                        p[1] *= alg_to_si(self.unit.dim, tr);
                     }
                 }
             }

@@ -3,8 +3,8 @@
 use crate::findings::type_name;
 use crate::lower::values::Values;
 use alloc::format;
-use ca_core::io::midi::{MidiMap, MidiSource, Velocity};
-use ca_core::kind::{ANY, POSITIVE, Unit};
+use ca_core::internal::io::midi::{MidiMap, MidiSource, Velocity};
+use ca_core::{ANY, POSITIVE, Unit};
 use ca_model::diag::Diag;
 use ca_model::quantity::{near_note, note_number};
 use ca_model::suggest::nearest;

@@ -7,10 +7,9 @@ use crate::net::{MatNode, MatRole, NetItem, Resolved};
 use alloc::format;
 use alloc::string::ToString;
 use ca_core::equivalence::Gains;
-use ca_core::kind::builder::Arg;
-use ca_core::kind::name::Name;
-use ca_core::kind::{PortRole, Unit};
-use ca_core::scene::{Input, InputRole};
+use ca_core::internal::kind::PortRole;
+use ca_core::internal::kind::builder::Arg;
+use ca_core::{Input, InputRole, Name, Unit};
 use ca_model::diag::Diag;
 use ca_model::{Item, Value};
 

@@ -38,6 +38,15 @@ impl Row {
     }
 }
 
+/// The functions that the ledger calls for the links of a batch.
+#[derive(Clone, Copy)]
+pub struct AccountFns<R: Real = f64> {
+    /// what it stores between two ticks, and loses in one
+    pub energies: Energies<R>,
+    /// elongations at which a contact has no force
+    pub idle: Idle<R>,
+}
+
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
 pub struct Account<R: Real = f64> {
@@ -47,13 +56,13 @@ pub struct Account<R: Real = f64> {
     pub n: usize,
     /// how they measure
     pub ports: Ports,
-    /// first of them in [`Layout::ends`](super::Layout::ends), which is also their number in the ledger
+    /// first of them in [`LinkArrays::ends`](super::LinkArrays::ends), which is also their number in the ledger
     pub first: usize,
     /// first coefficient, as in a pass
     pub coef: usize,
     /// first number of memory, as in a pass
     pub mem: usize,
-    /// first index into `State::tap`, as in a pass
+    /// first index into `LinkState::tap`, as in a pass
     pub tap: usize,
     /// the law of the links
     pub law: &'static Law,
@@ -61,12 +70,10 @@ pub struct Account<R: Real = f64> {
     pub linear: bool,
     /// true where a coefficient may change while playing, or an end is a point that moves
     pub live: bool,
-    /// what it stores between two ticks, and loses in one
-    pub energies: Energies<R>,
     /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
     pub rows: [Row; 2],
-    /// where there is no force, for contacts
-    pub idle: Idle<R>,
+    /// the functions of the law
+    pub fns: AccountFns<R>,
 }
 
 /// What the ledger needs to find its way.

@@ -4,6 +4,7 @@
 //! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
 //! once, by the compiler.
 
+mod arrays;
 mod driven;
 mod group;
 mod ledger;
@@ -11,9 +12,10 @@ mod modal;
 mod outputs;
 mod waves;
 
+pub use arrays::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 pub use driven::Driven;
 pub use group::{Copied, Response, SlowGroup};
-pub use ledger::{Account, LedgerPlan, Row};
+pub use ledger::{Account, AccountFns, LedgerPlan, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
 pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
@@ -43,12 +45,12 @@ pub enum MeasureKind {
 pub struct Ports {
     /// of the first port
     pub measure: MeasureKind,
-    /// its first entry in [`Layout::reach`], unless it is a line
+    /// its first entry in [`LinkArrays::reach`], unless it is a line
     pub reach: usize,
-    /// of the second port, where the links are quadripoles: measure, first entry in [`Layout::onto`], first in
-    /// [`Layout::reach`]
+    /// of the second port, where the links are quadripoles: measure, first entry in [`LinkArrays::onto`], first in
+    /// [`LinkArrays::reach`]
     pub onto: Option<(MeasureKind, usize, usize)>,
-    /// where all pairs of two sets are one module, its index in [`Layout::pair_sets`]
+    /// where all pairs of two sets are one module, its index in [`LinkArrays::pair_sets`]
     pub pair_set: Option<usize>,
 }
 
@@ -120,7 +122,7 @@ pub enum CoordinateSource {
 pub struct MovingPoint {
     /// its own place among the MATs
     pub mat: u32,
-    /// first node in [`Layout::nodes`]
+    /// first node in [`Places::nodes`]
     pub first: u32,
     /// nodes along the two directions; 1 for a string
     pub size: [u32; 2],
@@ -192,7 +194,7 @@ pub struct ImplicitLinks<R: Real = f64> {
 pub struct Pair {
     /// slots in the state of its ends
     pub ends: [u32; 2],
-    /// index into [`State::tap`](crate::state::State::tap), where its force is kept
+    /// index into [`LinkState::tap`](crate::state::LinkState::tap), where its force is kept
     pub tap: Option<u32>,
 }
 
@@ -202,7 +204,7 @@ pub struct Pair {
 pub struct LinkForce<R: Real = f64> {
     /// indices into [`State::coef`](crate::state::State) of k, z and θ
     pub coef: [u32; 3],
-    /// index into [`State::tap`](crate::state::State::tap)
+    /// index into [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: Option<u32>,
     /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
     pub moving: Vec<(u32, R)>,
@@ -225,100 +227,29 @@ pub struct Substeps<R: Real = f64> {
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Layout<R: Real = f64> {
-    /// sound sample \[s\], 1/rate
-    pub sample_dt: f64,
-    /// sound samples per gesture frame
-    pub ratio: u32,
-    /// ticks per gesture frame: as many, unless a sample has several
-    pub frame: u32,
-    /// slots of MATs, moving points included: one for a MAT on a line, three in a row for one in space
-    pub n_mat: usize,
-    /// links, and places in a row that no link takes
-    pub n_lia: usize,
-    /// coefficients
-    pub n_coef: usize,
-    /// numbers of memory of laws and waves
-    pub n_mem: usize,
-    /// contacts that are solved together
-    pub n_touch: usize,
-    /// places for forces kept or in passing
-    pub n_tap: usize,
-    /// channels of sound; probes come after them in [`State::output`](crate::state::State)
-    pub channels: usize,
-    /// indices into [`State::output`](crate::state::State)
-    pub n_out: usize,
-    /// ends of links, first slot of the first and of the second MAT (n_lia x 2)
-    pub ends: Vec<[u32; 2]>,
-    /// ends of the second ports of quadripoles (any x 2)
-    pub onto: Vec<[u32; 2]>,
-    /// what a port in space needs beside its ends: for [`MeasureKind::Radial`] the vector between the ends at rest \[m\] and
-    /// the square of the softening length \[m²\], for [`MeasureKind::Along`] the direction and nothing (any x 4)
-    pub reach: Vec<[R; 4]>,
-    /// for each entry of `reach` how many links of its batch, from that one on, are a row: they join points that follow each
-    /// other on both sides, the second ends behind the first, as far apart at rest as `rest` says. Or, below 0, how many are
-    /// none (as `reach`)
-    pub rows: Vec<i32>,
-    /// sets of which all pairs are joined (any)
-    pub pair_sets: Vec<PairSet>,
-    /// constant part of the elongation \[m\] (n_lia)
-    pub e0: Vec<R>,
-    /// rest positions \[m\] (n_mat)
-    pub rest: Vec<R>,
-    /// nodes under moving points (any)
-    pub nodes: Vec<u32>,
-    /// moving points (any)
-    pub moving_points: Vec<MovingPoint>,
-    /// masses in groups that go by their modes (any)
-    pub modal: Vec<Modal>,
-    /// their shares in the modes (any)
-    pub shares: Vec<R>,
-    /// those of the masses at which links count on the motion to come, group by group (any)
-    pub solved_modal: Vec<SolvedModal>,
-    /// groups with several of these (any)
-    pub modal_couplings: Vec<ModalCoupling>,
-    /// how much a force on one of them moves another, as a part of what one on that itself does (any)
-    pub couplings: Vec<R>,
+    /// how often it runs
+    pub rates: Rates<R>,
+    /// how much there is
+    pub counts: Counts,
+    /// what links join
+    pub links: LinkArrays<R>,
+    /// where MATs are
+    pub places: Places<R>,
     /// tables of laws (any)
     pub tables: Vec<Table<R>>,
-    /// position ports (any)
-    pub enx: Vec<Enx<R>>,
-    /// force ports (any)
-    pub enf: Vec<Enf>,
-    /// device ports (any), across the border
-    pub tgr: Vec<Enx<R>>,
-    /// parameters that ports drive (any)
-    pub driven: Vec<Driven<R>>,
-    /// how they cross it
-    pub crossing: Crossing,
+    /// what comes in, and goes to devices
+    pub ports: PortArrays<R>,
     /// waveguides
     pub waves: Waves<R>,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
-    /// links of fused passes whose forces are heard (any)
-    #[cfg_attr(feature = "bytes", serde(skip))]
-    pub heard: Vec<HeardLink<R>>,
-    /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
-    pub outputs: Vec<Output>,
-    /// how many of them hear motion: as it is, and through a high pass. A list of their own, so that the others need not be asked
-    pub of_motion: [usize; 2],
-    /// channels with outputs as they are, where one has so many that they are summed in lanes
-    /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
-    pub output_rows: Vec<OutputRow>,
-    /// the high passes of the last of them (any)
-    pub blockers: Vec<DcBlocker<R>>,
-    /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
-    pub lowpass: Vec<R>,
+    /// what is heard
+    pub out: OutputArrays<R>,
     /// what is solved in each tick, where implicit links are solved together
     pub implicit: Option<ImplicitLinks<R>>,
     /// what the ledger needs, where the scene keeps one
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub ledger: Option<LedgerPlan<R>>,
-    /// groups at the gesture rate
-    #[cfg_attr(feature = "bytes", serde(skip))]
-    pub slow: Option<Arc<SlowGroup<R>>>,
-    /// where a sample has several ticks
-    #[cfg_attr(feature = "bytes", serde(skip))]
-    pub substeps: Option<Substeps<R>>,
     /// the vectors its passes use; the bits are the same with all
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub vectors: Vectors,
@@ -327,7 +258,7 @@ pub struct Layout<R: Real = f64> {
 impl<R: Real> Layout<R> {
     /// The way of device ports across the border.
     pub fn way(&self) -> Way {
-        match (self.frame, self.crossing.shape) {
+        match (self.rates.frame, self.ports.crossing.shape) {
             (1, _) => Way::Synchronous,
             (_, Shape::Linear) => Way::Linear,
             (_, Shape::Hold) => Way::Hold,
@@ -336,6 +267,6 @@ impl<R: Real> Layout<R> {
 
     /// Ticks in a sample: 1, unless the model asks for more.
     pub fn oversample(&self) -> u32 {
-        self.substeps.as_ref().map_or(1, |f| f.times)
+        self.rates.substeps.as_ref().map_or(1, |f| f.times)
     }
 }

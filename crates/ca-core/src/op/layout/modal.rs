@@ -8,7 +8,7 @@ pub struct Modal {
     pub mat: u32,
     /// place of the first mode
     pub first: u32,
-    /// first of its shares in [`Layout::shares`](super::Layout::shares); how many: [`Modal::n`]
+    /// first of its shares in [`Places::shares`](super::Places::shares); how many: [`Modal::n`]
     pub share: u32,
     /// number of modes
     pub n: u32,
@@ -19,11 +19,11 @@ pub struct Modal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct SolvedModal {
-    /// index into [`Layout::modal`](super::Layout::modal)
+    /// index into [`Places::modal`](super::Places::modal)
     pub modal: u32,
     /// its own place among the MATs
     pub mat: u32,
-    /// first of [`SolvedModal::TAPS`] numbers in passing, an index into [`State::tap`](crate::state::State)
+    /// first of [`SolvedModal::TAPS`] numbers in passing, an index into [`LinkState::tap`](crate::state::State)
     pub tap: u32,
 }
 
@@ -37,10 +37,10 @@ impl SolvedModal {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct ModalCoupling {
-    /// the first, an index into [`Layout::solved_modal`](super::Layout::solved_modal)
+    /// the first, an index into [`Places::solved_modal`](super::Places::solved_modal)
     pub first: u32,
     /// how many follow each other
     pub n: u32,
-    /// first number in [`Layout::couplings`](super::Layout::couplings), row by row (n x n)
+    /// first number in [`Places::couplings`](super::Places::couplings), row by row (n x n)
     pub numbers: u32,
 }

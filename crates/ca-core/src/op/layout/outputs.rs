@@ -12,7 +12,7 @@ pub enum Tap {
     Position(u32),
     /// summed force on a MAT
     ForceOn(u32),
-    /// force of a LIA, at this index of [`State::tap`](crate::state::State)
+    /// force of a LIA, at this index of [`LinkState::tap`](crate::state::State)
     ForceOf(u32),
 }
 
@@ -33,7 +33,7 @@ pub struct HeardLink<R: Real = f64> {
     pub step: u32,
     /// how many it has
     pub coefs: u32,
-    /// index into [`State::tap`](crate::state::State), where its force is left
+    /// index into [`LinkState::tap`](crate::state::State), where its force is left
     pub tap: u32,
 }
 
@@ -47,7 +47,7 @@ pub struct Output {
     pub tap: Tap,
 }
 
-/// The outputs of a channel, which follow each other in [`Layout::outputs`](super::Layout::outputs).
+/// The outputs of a channel, which follow each other in [`OutputArrays::outputs`](super::OutputArrays::outputs).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutputRow {

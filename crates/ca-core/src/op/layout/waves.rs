@@ -59,7 +59,7 @@ pub struct Waves<R: Real = f64> {
     pub junctions: Vec<Junction<R>>,
     /// how waves travel (any)
     pub delays: Vec<Delay<R>>,
-    /// first slot of their memory in [`State::mem`](crate::state::State)
+    /// first slot of their memory in [`LinkState::mem`](crate::state::State)
     pub first: usize,
     /// places of it
     pub len: usize,

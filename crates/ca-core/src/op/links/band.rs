@@ -20,7 +20,7 @@ const LANES: usize = Fold::LANES;
 
 /// The pass of `op.n` masses, a multiple of 8, from `op.mat` on, and of as many links along and across; coefficients of these
 /// stand behind those. The width is at least 2 and below `op.n / 8`; forces across stand at the beginning of
-/// [`State::tap`].
+/// [`LinkState::tap`].
 pub struct Banded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<f64>
@@ -50,14 +50,14 @@ fn band<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, c
     let along = coefs::<S, C, U>(&s.coef[op.coef..], n);
     let across = coefs::<S, C, U>(&s.coef[op.coef + C * n..], n);
     let [e_along, e_across]: [&[[S::f64s; U]]; 2] = if OFFSET {
-        [0, n].map(|first| &eights::<S, U>(&layout.e0[op.first + first..][..n])[..steps])
+        [0, n].map(|first| &eights::<S, U>(&layout.links.e0[op.first + first..][..n])[..steps])
     } else {
         [&[], &[]]
     };
-    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + op.mat..][..n]);
+    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.counts.n_mat + op.mat..][..n]);
     let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
     let (x, d, f) = (&mut s.x[op.mat..][..n], &mut s.d[op.mat..][..n], &mut s.f[op.mat..][..n]);
-    let kept = &mut eights_mut::<S, U>(&mut s.tap[..n])[..steps];
+    let kept = &mut eights_mut::<S, U>(&mut s.links.tap[..n])[..steps];
     // neighbours in the next lane stand one number further; behind the last of all there is no force, whatever stands there
     for i in wrap..steps {
         let at = (i - wrap) * LANES;

@@ -5,7 +5,7 @@
 //! Decides to sum the hub in a register: in memory, each sum waits for the one before it to be written and read again.
 
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
 use crate::op::{Hub, Op};
@@ -21,7 +21,7 @@ pub struct Fan<P, const C: usize, const M: usize, const OFFSET: bool>(PhantomDat
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> Body<R> for Fan<P, C, M, OFFSET> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-        let [first, second] = layout.ends[op.first].map(|m| m as usize);
+        let [first, second] = layout.links.ends[op.first].map(|m| m as usize);
         if op.form.hub == Hub::First {
             links::<R, P, C, M, OFFSET, true>(op, layout, s, first, second);
         } else {
@@ -40,7 +40,7 @@ fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bo
     row: usize,
 ) {
     let n = op.n;
-    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let coef = &s.coef[op.coef..][..C * n];
     let columns: [&[R]; C] = core::array::from_fn(|k| &coef[k * n..][..n]);
     let (at, sum) = ([s.x[hub], s.d[hub]], s.f[hub]);
@@ -63,10 +63,10 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
     let chunks: [&[[R; SIDE_BY_SIDE]]; C] = columns.map(|c| &c.as_chunks::<SIDE_BY_SIDE>().0[..fs.len()]);
     let from = fs.len() * SIDE_BY_SIDE;
     for (i, ((f, x), d)) in fs.iter_mut().zip(xs).zip(ds).enumerate() {
-        let e0 = if OFFSET { e0s[i] } else { [real(0.0); SIDE_BY_SIDE] };
-        let mut force = [real(0.0); SIDE_BY_SIDE];
+        let e0 = if OFFSET { e0s[i] } else { [R::ZERO; SIDE_BY_SIDE] };
+        let mut force = [R::ZERO; SIDE_BY_SIDE];
         for k in 0..SIDE_BY_SIDE {
-            let mut c = [real(0.0); C];
+            let mut c = [R::ZERO; C];
             for column in 0..C {
                 c[column] = chunks[column][i][k];
             }
@@ -81,7 +81,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
     }
     for (i, ((f, x), d)) in f.iter_mut().zip(x).zip(d).enumerate() {
         let c = core::array::from_fn(|column| columns[column][from + i]);
-        let force = one::<R, P, C, M, OFFSET, FIRST>(&c, hub, [*x, *d], if OFFSET { e0[i] } else { real(0.0) });
+        let force = one::<R, P, C, M, OFFSET, FIRST>(&c, hub, [*x, *d], if OFFSET { e0[i] } else { R::ZERO });
         if FIRST {
             *f -= force;
             sum += force;

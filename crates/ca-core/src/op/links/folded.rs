@@ -136,8 +136,8 @@ fn row<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, co
     let (n, steps) = (op.n, op.n / LANES);
     let last = steps - 1;
     let k8 = coefs::<S, C, U>(&s.coef[op.coef..], n);
-    let e8 = if OFFSET { &eights::<S, U>(&layout.e0[op.first..][..n])[..steps] } else { &[] };
-    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.n_mat + op.mat..][..n]);
+    let e8 = if OFFSET { &eights::<S, U>(&layout.links.e0[op.first..][..n])[..steps] } else { &[] };
+    let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.counts.n_mat + op.mat..][..n]);
     let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
     let (x, d, f) = (&mut s.x[op.mat..][..n], &mut s.d[op.mat..][..n], &mut s.f[op.mat..][..n]);
     // what follows the last mass of each stretch is the first of the next, one number further; behind the last there is no

@@ -3,12 +3,12 @@
 //! A mass receives the force of the link before it, that of the link after it, and then the sum of what others gave:
 //! (Fᵢ − Fᵢ₋₁) + f. Decides that the compiler fuses a row only where the list of passes sums in that order too, so that
 //! the bits are those of a run and an integration one after the other: another order would make another scene of many
-//! more. Forces stand in [`State::tap`] between two loops, with a 0 on either side, so that each is a plain loop that
+//! more. Forces stand in [`LinkState::tap`] between two loops, with a 0 on either side, so that each is a plain loop that
 //! vectorises; one loop would have to shift vectors by a lane, which takes longer with the portable ones than the second.
 
 use super::run;
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
@@ -25,16 +25,16 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, 
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         run::links::<R, P, C, M, OFFSET>(op, layout, s);
-        let (n, masses, first) = (layout.n_mat, op.n + 1, op.tap - 1);
-        (s.tap[first], s.tap[first + masses]) = (real(0.0), real(0.0));
-        let [before, behind] = [first, first + 1].map(|at| &s.tap[at..][..masses]);
+        let (n, masses, first) = (layout.counts.n_mat, op.n + 1, op.tap - 1);
+        (s.links.tap[first], s.links.tap[first + masses]) = (R::ZERO, R::ZERO);
+        let [before, behind] = [first, first + 1].map(|at| &s.links.tap[at..][..masses]);
         let [p, q, c]: [&[R]; 3] = [0, 1, 2].map(|k| &s.coef[k * n + op.mat..][..masses]);
         let (x, d, f) = (&mut s.x[op.mat..][..masses], &mut s.d[op.mat..][..masses], &mut s.f[op.mat..][..masses]);
         for i in 0..masses {
             let sum = (behind[i] - before[i]) + f[i];
             d[i] = if OWN { p[i] * d[i] + q[i] * x[i] + c[i] * sum } else { d[i] + c[i] * sum };
             x[i] += d[i];
-            f[i] = real(0.0);
+            f[i] = R::ZERO;
         }
     }
 }

@@ -2,7 +2,7 @@
 //! the links, so the bits are those of a plain loop over modules.
 
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -14,13 +14,13 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
     s: &mut State<R>,
 ) {
     let n = op.n;
-    let ends = &layout.ends[op.first..][..n];
-    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let ends = &layout.links.ends[op.first..][..n];
+    let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     // of one length, so that an end is looked up once in each and compared with it once
     let x = &s.x[..];
     let (d, f) = (&s.d[..x.len()], &mut s.f[..x.len()]);
-    let mem = &mut s.mem[op.mem..][..n * M];
+    let mem = &mut s.links.mem[op.mem..][..n * M];
     for i in 0..n {
         let [a, b] = [ends[i][0] as usize, ends[i][1] as usize];
         let mut e = x[b] - x[a];
@@ -33,20 +33,20 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
             let (from, to) = P::idle(&c);
             if e >= from && e <= to {
                 if TAP {
-                    s.tap[op.tap + i] = real(0.0);
+                    s.links.tap[op.tap + i] = R::ZERO;
                 }
                 continue;
             }
         }
         let w = d[b] - d[a];
         // laws without memory must not carry a bounds check
-        let mut none = [real(0.0); M];
+        let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         let force = P::force(&c, m, &layout.tables, e, w);
         f[a] += force;
         f[b] -= force;
         if TAP {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }

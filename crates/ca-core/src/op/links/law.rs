@@ -4,24 +4,11 @@ use super::choose::kernel;
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
 use crate::op::account::{Energies, numbers};
+use crate::op::{Cheaper, LoadFns};
 use crate::op::{Law, LawFns, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
 impl Law {
-    /// The coefficients of one link, from its parameters in SI and the tick, `tick_dt` \[s\].
-    pub fn loaded(&self, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
-        let mut c = alloc::vec![0.0; self.coefs];
-        (self.load)(p, tick_dt, &mut c);
-        c
-    }
-
-    /// Its memory at load, for elongation `e` of ends that stand still.
-    pub fn started(&self, c: &[f64], e: f64) -> Vec<f64> {
-        let mut mem = alloc::vec![0.0; self.mem];
-        (self.fns.start)(c, [e, 0.0], &mut mem);
-        mem
-    }
-
     /// The record of a law.
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>(code: &'static str) -> Law {
         Law {
@@ -33,19 +20,15 @@ impl Law {
             contact: P::CONTACT,
             stage: SolveStage::Explicit,
             implicit: false,
-            load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
-            bound: |c, tables| P::bound(&numbers(c), tables),
-            steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
-            simpler: |_| None,
-            variants: &[],
+            at_load: LoadFns {
+                load: |p, tick_dt, out| out.copy_from_slice(&P::coefs(p, tick_dt)),
+                bound: |c, tables| P::bound(&numbers(c), tables),
+                steepest: |c, tables, between| P::steepest(&numbers(c), tables, between),
+            },
+            cheaper: Cheaper::NONE,
             table: None,
             fns: LawFns::of::<P, C, M>(),
         }
-    }
-
-    /// True where the force depends on the motion that others would cause.
-    pub const fn is_staged(&self) -> bool {
-        !matches!(self.stage, SolveStage::Explicit)
     }
 
     /// The same law with a rule that picks a cheaper one among `variants`.
@@ -55,25 +38,15 @@ impl Law {
         variants: &'static [&'static Law],
         simpler: fn(&[ParamBinding]) -> Option<&'static Law>,
     ) -> Law {
-        self.variants = variants;
-        self.simpler = simpler;
+        self.cheaper.variants = variants;
+        self.cheaper.simpler = simpler;
         self
     }
 
-    /// This law and all laws that may run in its place.
-    pub fn family(&'static self) -> Vec<&'static Law> {
-        let mut all = alloc::vec![self];
-        let mut next = 0;
-        while let Some(law) = all.get(next).copied() {
-            let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
-            for variant in law.variants.iter().copied().chain(other) {
-                if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
-                    all.push(variant);
-                }
-            }
-            next += 1;
-        }
-        all
+    /// The same law with its parameters in other places.
+    pub(crate) const fn loaded_by(mut self, load: fn(&[Option<f64>], f64, &mut [f64])) -> Law {
+        self.at_load.load = load;
+        self
     }
 
     /// The same law with a table of its own.
@@ -82,6 +55,36 @@ impl Law {
         self.table = Some(table);
         self
     }
+}
+
+/// The coefficients of one link of a law, from its parameters in SI and the tick, `tick_dt` \[s\].
+pub fn loaded(law: &Law, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
+    let mut c = alloc::vec![0.0; law.coefs];
+    (law.at_load.load)(p, tick_dt, &mut c);
+    c
+}
+
+/// The memory of one link of a law at load, for elongation `e` of ends that stand still.
+pub fn started(law: &Law, c: &[f64], e: f64) -> Vec<f64> {
+    let mut mem = alloc::vec![0.0; law.mem];
+    (law.fns.start)(c, [e, 0.0], &mut mem);
+    mem
+}
+
+/// A law and all laws that may run in its place.
+pub fn family(law: &'static Law) -> Vec<&'static Law> {
+    let mut all = alloc::vec![law];
+    let mut next = 0;
+    while let Some(law) = all.get(next).copied() {
+        let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
+        for variant in law.cheaper.variants.iter().copied().chain(other) {
+            if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
+                all.push(variant);
+            }
+        }
+        next += 1;
+    }
+    all
 }
 
 impl<R: Real> LawFns<R> {

@@ -8,12 +8,12 @@
 //! all measure by these functions.
 //!
 //! The change of a distance is that to the distance one tick before (docs/numerics.md §1.1). Links that are measured in every
-//! tick keep it ([`Measure::follow`], [`State::lengths`](crate::State::lengths)): one root a tick, and motion need not be
+//! tick keep it ([`Measure::follow`], [`LinkState::lengths`](crate::state::LinkState::lengths)): one root a tick, and motion need not be
 //! read. Contacts are not, and those that touch have the change from motion ([`Measure::measure`]), as
 //! `(D + D')·(D − D') / (l + l')` with D' the vector one tick before. At zero length the direction is undefined and the
 //! force is zero (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
-use crate::numeric::{Real, real, sqrt};
+use crate::numeric::Real;
 use crate::op::layout::{Layout, MeasureKind, Ports};
 use nalgebra::Vector3;
 
@@ -41,12 +41,12 @@ impl<R: Real> Elongation<R> {
 #[inline(always)]
 pub fn density<R: Real>(force: R, l: R) -> R {
     // in this order, so that what is not a number stays so
-    if l == R::ZERO { real(0.0) } else { force / l }
+    if l == R::ZERO { R::ZERO } else { force / l }
 }
 
 /// A way of measuring, as a type, for kernels.
 pub trait Measure {
-    /// True where the ends are points in space, with an entry in [`Layout::reach`].
+    /// True where the ends are points in space, with an entry in [`LinkArrays::reach`](crate::op::layout::LinkArrays::reach).
     const SPACE: bool;
 
     /// Measures between the places `a` and `b`, the change by their motion.
@@ -94,7 +94,7 @@ fn between<R: Real>(x: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Vector3<R> {
 /// The length of a vector, softened.
 #[inline(always)]
 fn length<R: Real>(v: &Vector3<R>, reach: &[R; 4]) -> R {
-    sqrt(v.dot(v) + reach[3])
+    (v.dot(v) + reach[3]).sqrt()
 }
 
 #[inline(always)]
@@ -110,7 +110,7 @@ impl Measure for Line {
     const SPACE: bool = false;
     #[inline(always)]
     fn measure<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], _: &[R; 4]) -> Elongation<R> {
-        Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(real(1.0), real(0.0), real(0.0)), l: real(1.0) }
+        Elongation { e: x[b] - x[a], w: d[b] - d[a], v: Vector3::new(R::of(1.0), R::ZERO, R::ZERO), l: R::of(1.0) }
     }
     #[inline(always)]
     fn pull<R: Real>(f: &mut [R], [a, b]: [usize; 2], _: &Elongation<R>, force: R) {
@@ -124,7 +124,7 @@ impl Measure for Along {
     #[inline(always)]
     fn measure<R: Real>(x: &[R], d: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Elongation<R> {
         let n = vector(reach);
-        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: real(1.0) }
+        Elongation { e: n.dot(&(at(x, b) - at(x, a))), w: n.dot(&(at(d, b) - at(d, a))), v: n, l: R::of(1.0) }
     }
     #[inline(always)]
     fn pull<R: Real>(f: &mut [R], ends: [usize; 2], m: &Elongation<R>, force: R) {
@@ -212,8 +212,9 @@ pub fn ports<R: Real>(
     first: usize,
     i: usize,
 ) -> impl Iterator<Item = (MeasureKind, [u32; 2], [R; 4])> {
-    let reach = |g: MeasureKind, at: usize| if g == MeasureKind::Line { [real(0.0); 4] } else { layout.reach[at + i] };
-    let one = (ports.measure, layout.ends[first + i], reach(ports.measure, ports.reach));
-    let two = ports.onto.map(|(g, ends, at)| (g, layout.onto[ends + i], reach(g, at)));
+    let reach =
+        |g: MeasureKind, at: usize| if g == MeasureKind::Line { [R::ZERO; 4] } else { layout.links.reach[at + i] };
+    let one = (ports.measure, layout.links.ends[first + i], reach(ports.measure, ports.reach));
+    let two = ports.onto.map(|(g, ends, at)| (g, layout.links.onto[ends + i], reach(g, at)));
     core::iter::once(one).chain(two)
 }

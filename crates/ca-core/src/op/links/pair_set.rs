@@ -7,7 +7,7 @@
 
 use super::measure::{Measure, Radial};
 use crate::law::Phi;
-use crate::numeric::{Real, VerletList, real, sqrt, wide};
+use crate::numeric::{Real, VerletList};
 use crate::op::Op;
 use crate::op::layout::{Layout, PairSet};
 use crate::op::wide::{Body, Simd};
@@ -31,7 +31,7 @@ fn square<R: Real>([x, y, z]: [R; 3]) -> R {
 fn pair<R: Real>(set: &PairSet, rest: &[R], i: usize, j: usize) -> ([usize; 2], [R; 4]) {
     let (a, b) = (set.members[i], set.members[j]);
     let (p, q) = (three(rest, a), three(rest, b));
-    ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], real(0.0)])
+    ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], R::ZERO])
 }
 
 /// The distance beyond which there is no force; infinite where the contact contains.
@@ -44,31 +44,31 @@ fn radius<R: Real>((from, to): (R, R)) -> R {
 #[inline(always)]
 fn place<R: Real>(near: &mut VerletList, set: &PairSet, rest: &[R], x: &[R]) {
     let members = &set.members;
-    near.place(|k| [three(rest, members[k]), three(x, members[k])].map(|v| v.map(wide)));
+    near.place(|k| [three(rest, members[k]), three(x, members[k])].map(|v| v.map(R::wide)));
 }
 
-/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`State::tap`] if asked.
+/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`LinkState::tap`](crate::state::LinkState::tap) if asked.
 pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<R> for All<P, C, M, TAP> {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let Some(at) = op.ports.pair_set else { return };
-        let (set, near) = (&layout.pair_sets[at], &mut s.near[at]);
+        let (set, near) = (&layout.links.pair_sets[at], &mut s.links.near[at]);
         let Some(c) = s.coef[op.coef..].first_chunk::<C>() else { return };
-        let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.rest);
-        let tap = if TAP { &mut s.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
-        tap.fill(real(0.0));
+        let (x, d, f, rest) = (&s.x[..], &s.d[..], &mut s.f[..], &layout.places.rest);
+        let tap = if TAP { &mut s.links.tap[op.tap..][..3 * set.members.len()] } else { &mut [] };
+        tap.fill(R::ZERO);
         let (from, to) = P::idle(c);
         let radius = radius((from, to));
         if radius == R::ZERO {
             return;
         }
         let (from, to) = (from.max(R::ZERO), to.max(R::ZERO));
-        let mut none = [real(0.0); M];
+        let mut none = [R::ZERO; M];
         place(near, set, rest, x);
-        near.renew(wide(radius), |k| wide(square(three(d, set.members[k]))));
-        near.each(wide(radius), |i, j| {
+        near.renew(radius.wide(), |k| square(three(d, set.members[k])).wide());
+        near.each(radius.wide(), |i, j| {
             let (ends, reach) = pair(set, rest, i, j);
             if Radial::square(x, ends, &reach).is_some_and(|l| l >= from * from && l <= to * to) {
                 return;
@@ -93,12 +93,12 @@ pub fn pressed<R: Real>(
 ) -> Option<Pressed<R>> {
     let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
     place(&mut near, set, rest, x);
-    near.renew(wide(radius(idle)), |_| 0.0);
+    near.renew(radius(idle).wide(), |_| 0.0);
     let mut found: Option<Pressed<R>> = None;
-    near.each(wide(radius(idle)), |i, j| {
+    near.each(radius(idle).wide(), |i, j| {
         if found.is_none() {
             let (ends, reach) = pair(set, rest, i, j);
-            let e = Radial::square(x, ends, &reach).map_or(real(0.0), sqrt);
+            let e = Radial::square(x, ends, &reach).map_or(R::ZERO, R::sqrt);
             found = Some((i, j, e, force(e))).filter(|p| p.3 != R::ZERO);
         }
     });
@@ -110,9 +110,9 @@ pub fn pressed<R: Real>(
 pub fn neighbours<R: Real>(set: &PairSet, rest: &[R], x: &[R], idle: (R, R)) -> [usize; 2] {
     let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
     place(&mut near, set, rest, x);
-    near.renew(wide(radius(idle)), |_| 0.0);
+    near.renew(radius(idle).wide(), |_| 0.0);
     let mut measured = 0;
-    near.each(wide(radius(idle)), |_, _| measured += 1);
+    near.each(radius(idle).wide(), |_, _| measured += 1);
     [near.listed(), measured]
 }
 
@@ -130,12 +130,12 @@ pub fn touched<R: Real>(
     idle: (R, R),
     mut visit: impl FnMut([R; 3]),
 ) {
-    let (set, x, d) = (&layout.pair_sets[at], &s.x[..], &s.d[..]);
-    place(near, set, &layout.rest, x);
-    let fastest = |d: &[R]| sqrt(set.members.iter().map(|m| square(three(d, *m))).fold(real(0.0), R::max));
+    let (set, x, d) = (&layout.links.pair_sets[at], &s.x[..], &s.d[..]);
+    place(near, set, &layout.places.rest, x);
+    let fastest = |d: &[R]| set.members.iter().map(|m| square(three(d, *m))).fold(R::ZERO, R::max).sqrt();
     let moved = R::of(2.0) * (fastest(d) + fastest(d0));
-    near.each(wide(radius(idle) + moved), |i, j| {
-        let (ends, reach) = pair(set, &layout.rest, i, j);
+    near.each((radius(idle) + moved).wide(), |i, j| {
+        let (ends, reach) = pair(set, &layout.places.rest, i, j);
         visit(
             super::measure::around(crate::op::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0,
         );

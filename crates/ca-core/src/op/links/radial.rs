@@ -3,7 +3,7 @@
 //! Links are taken in blocks, each in three loops: the vectors between its ends, laid side by side on the stack; from them
 //! lengths, forces and forces on the ends, a link in each lane, with one root and one division for all lanes; and the sums.
 //! Only the first and the last loop know which masses a link joins. They look ends up one by one, but of a row
-//! ([`Layout::rows`]), where ends follow each other, they take all numbers as they stand: a row of a cloth costs no indices.
+//! ([`LinkArrays::rows`]), where ends follow each other, they take all numbers as they stand: a row of a cloth costs no indices.
 //!
 //! Forces are summed in the order of the links. In a row every mass is second end of an earlier link before it is first end of
 //! a later one, so all second ends come before all first ones, as in [`Run`](super::run::Run). What a block leaves over at the
@@ -14,7 +14,7 @@ use super::folded::{LANES, Lanes};
 use super::measure::Radial;
 use super::space::links;
 use crate::law::Phi;
-use crate::numeric::sqrt;
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
@@ -44,7 +44,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> fo
             let n = BLOCK.min(whole - first);
             vectors(simd, op, layout, s, first, &mut room[..=3 * n]);
             let v = &mut room[..3 * n];
-            if s.lengths[op.ports.reach + first] < 0.0 {
+            if s.links.lengths[op.ports.reach + first] < 0.0 {
                 recall(op, layout, s, first, v);
             }
             pulls::<S, P, C, M, TAP>(simd, op, layout, s, first, v);
@@ -88,13 +88,13 @@ impl pulp::WithSimd for Before<'_> {
         let Around { op, layout, s, first, n, room } = self.0;
         let Room { v, l, e, w } = room;
         vectors(simd, op, layout, s, first, &mut v[..=3 * n]);
-        if s.lengths[op.ports.reach + first] < 0.0 {
+        if s.links.lengths[op.ports.reach + first] < 0.0 {
             recall(op, layout, s, first, &v[..3 * n]);
         }
         let mut soft = [0.0; BLOCK];
         let soft = softened::<S>(op, layout, first, &mut soft[..n]);
-        let lengths = &mut s.lengths[op.ports.reach + first..][..n];
-        let (vectors, e0, last) = block::<S>(&mut v[..3 * n], &layout.e0[op.first + first..][..n], lengths);
+        let lengths = &mut s.links.lengths[op.ports.reach + first..][..n];
+        let (vectors, e0, last) = block::<S>(&mut v[..3 * n], &layout.links.e0[op.first + first..][..n], lengths);
         let steps = vectors.len();
         let [l, e, w] = [l, e, w].map(|all| &mut S::as_mut_simd_f64s(&mut all[..n]).0[..steps]);
         for i in 0..steps {
@@ -137,7 +137,7 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
         for (k, column) in columns.iter_mut().enumerate() {
             *column = &s.coef[op.coef + k * op.n + first..][..n];
         }
-        let mem = &mut s.mem[op.mem + first * M..][..n * M];
+        let mem = &mut s.links.mem[op.mem + first * M..][..n * M];
         let (e, w) = (&mut room.e[..n], &room.w[..n]);
         for i in 0..n {
             let c = core::array::from_fn(|k| columns[k][i]);
@@ -146,7 +146,7 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
             e[i] = P::force(&c, m, &layout.tables, e[i], w[i]);
         }
         if TAP {
-            s.tap[op.tap + first..][..n].copy_from_slice(e);
+            s.links.tap[op.tap + first..][..n].copy_from_slice(e);
         }
         layout.vectors.widest(Behind(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
         first += n;
@@ -182,10 +182,10 @@ fn stretch(rows: &[i32], i: usize) -> (usize, bool) {
 #[inline(always)]
 fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, v: &mut [f64]) {
     let n = v.len() / 3;
-    let ends = &layout.ends[op.first + first..][..n];
-    let reach = &layout.reach[op.ports.reach + first..][..n];
-    let rows = &layout.rows[op.ports.reach + first..][..n];
-    let (x, rest) = (&s.x[..], &layout.rest[..]);
+    let ends = &layout.links.ends[op.first + first..][..n];
+    let reach = &layout.links.reach[op.ports.reach + first..][..n];
+    let rows = &layout.links.rows[op.ports.reach + first..][..n];
+    let (x, rest) = (&s.x[..], &layout.places.rest[..]);
     let mut i = 0;
     while i < n {
         let (links, row) = stretch(rows, i);
@@ -230,11 +230,11 @@ fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, 
 #[inline(never)]
 fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
     for (i, now) in v.as_chunks::<3>().0.iter().enumerate() {
-        let [p, q] = layout.ends[op.first + first + i].map(|m| three(&s.d, m));
+        let [p, q] = layout.links.ends[op.first + first + i].map(|m| three(&s.d, m));
         let before: [f64; 3] = core::array::from_fn(|k| now[k] - (q[k] - p[k]));
         let at = op.ports.reach + first + i;
         let square = before[0] * before[0] + before[1] * before[1] + before[2] * before[2];
-        s.lengths[at] = sqrt(square + layout.reach[at][3]);
+        s.links.lengths[at] = Real::sqrt(square + layout.links.reach[at][3]);
     }
 }
 
@@ -275,7 +275,7 @@ fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, room: &'a mut [
     if !op.form.soften {
         return None;
     }
-    for (soft, reach) in room.iter_mut().zip(&layout.reach[op.ports.reach + first..]) {
+    for (soft, reach) in room.iter_mut().zip(&layout.links.reach[op.ports.reach + first..]) {
         *soft = reach[3];
     }
     Some(S::as_simd_f64s(room).0)
@@ -296,9 +296,9 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
     for (k, column) in columns.iter_mut().enumerate() {
         *column = &S::as_simd_f64s(&s.coef[op.coef + k * op.n + first..][..n]).0[..n / S::F64_LANES];
     }
-    let lengths = &mut s.lengths[op.ports.reach + first..][..n];
-    let (vectors, e0, last) = block::<S>(v, &layout.e0[op.first + first..][..n], lengths);
-    let tap = S::as_mut_simd_f64s(if TAP { &mut s.tap[op.tap + first..][..n] } else { &mut [] }).0;
+    let lengths = &mut s.links.lengths[op.ports.reach + first..][..n];
+    let (vectors, e0, last) = block::<S>(v, &layout.links.e0[op.first + first..][..n], lengths);
+    let tap = S::as_mut_simd_f64s(if TAP { &mut s.links.tap[op.tap + first..][..n] } else { &mut [] }).0;
     let mut room = [0.0; BLOCK];
     let soft = softened::<S>(op, layout, first, &mut room[..n]);
     for i in 0..vectors.len() {
@@ -334,8 +334,8 @@ fn added<S: Simd, const LESS: bool>(simd: S, f: &mut [f64], g: &[f64]) {
 #[inline(always)]
 fn sums<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State, first: usize, g: &[f64]) {
     let n = g.len() / 3;
-    let ends = &layout.ends[op.first + first..][..n];
-    let rows = &layout.rows[op.ports.reach + first..][..n];
+    let ends = &layout.links.ends[op.first + first..][..n];
+    let rows = &layout.links.rows[op.ports.reach + first..][..n];
     let f = &mut s.f[..];
     let mut i = 0;
     while i < n {

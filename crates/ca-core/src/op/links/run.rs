@@ -3,14 +3,14 @@
 //! of the link after it, which is the order of the gather kernel, so the bits are the same.
 
 use crate::law::Phi;
-use crate::numeric::{Real, Table, real};
+use crate::numeric::{Real, Table};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// The forces of a row, left in [`State::tap`] from `op.tap` on.
+/// The forces of a row, left in [`LinkState::tap`] from `op.tap` on.
 #[inline(always)]
 pub fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
     op: &Op<R>,
@@ -18,12 +18,12 @@ pub fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET
     s: &mut State<R>,
 ) {
     let n = op.n;
-    let e0 = if OFFSET { &layout.e0[op.first..][..n] } else { &[] };
+    let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (a, b) = (op.mat, op.mat + op.form.stride);
     let (xa, xb) = (&s.x[a..][..n], &s.x[b..][..n]);
     let (da, db) = (&s.d[a..][..n], &s.d[b..][..n]);
-    let (mem, force) = (&mut s.mem[op.mem..][..n * M], &mut s.tap[op.tap..][..n]);
+    let (mem, force) = (&mut s.links.mem[op.mem..][..n * M], &mut s.links.tap[op.tap..][..n]);
     each::<R, P, C, M, OFFSET>([xa, xb, da, db], e0, &columns, &layout.tables, mem, force);
 }
 
@@ -45,7 +45,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
         let w = db[i] - da[i];
         let c = core::array::from_fn(|k| columns[k][i]);
         // laws without memory must not carry a bounds check that keeps the loop from being vectorised
-        let mut none = [real(0.0); M];
+        let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         force[i] = P::force(&c, m, tables, e, w);
     }
@@ -59,7 +59,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> 
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         links::<R, P, C, M, OFFSET>(op, layout, s);
         let (n, a, b) = (op.n, op.mat, op.mat + op.form.stride);
-        let force = &s.tap[op.tap..][..n];
+        let force = &s.links.tap[op.tap..][..n];
         for (f, force) in s.f[b..][..n].iter_mut().zip(force) {
             *f -= *force;
         }

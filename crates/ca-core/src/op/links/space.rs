@@ -4,7 +4,7 @@
 
 use super::measure::Measure;
 use crate::law::Phi;
-use crate::numeric::{Real, real};
+use crate::numeric::Real;
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
@@ -28,13 +28,13 @@ pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
     some: Range<usize>,
 ) {
     let n = op.n;
-    let ends = &layout.ends[op.first..][..n];
-    let e0 = &layout.e0[op.first..][..n];
-    let reach = &layout.reach[op.ports.reach..][..n];
-    let lengths = &mut s.lengths[op.ports.reach..][..n];
+    let ends = &layout.links.ends[op.first..][..n];
+    let e0 = &layout.links.e0[op.first..][..n];
+    let reach = &layout.links.reach[op.ports.reach..][..n];
+    let lengths = &mut s.links.lengths[op.ports.reach..][..n];
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
     let (x, d, f) = (&s.x[..], &s.d[..], &mut s.f[..]);
-    let mem = &mut s.mem[op.mem..][..n * M];
+    let mem = &mut s.links.mem[op.mem..][..n * M];
     for i in some {
         let at = ends[i].map(|m| m as usize);
         let c = core::array::from_fn(|k| columns[k][i]);
@@ -45,7 +45,7 @@ pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
             let (from, to) = (from.max(R::ZERO), to.max(R::ZERO));
             if G::square(x, at, &reach[i]).is_some_and(|l| l >= from * from && l <= to * to) {
                 if TAP {
-                    s.tap[op.tap + i] = real(0.0);
+                    s.links.tap[op.tap + i] = R::ZERO;
                 }
                 continue;
             }
@@ -56,7 +56,7 @@ pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
         let force = P::force(&c, m, &layout.tables, measured.e + e0[i], measured.w);
         G::pull(f, at, &measured, force);
         if TAP {
-            s.tap[op.tap + i] = force;
+            s.links.tap[op.tap + i] = force;
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::catalog::Catalog;
 use crate::kind::{Kind, MatSpec, Role, Type, Unit};
 use crate::op::Law;
+use crate::op::family;
 use crate::phi;
 use crate::scene::symbols::MODE;
 use alloc::vec::Vec;
@@ -15,7 +16,7 @@ pub(super) struct Known<'a> {
 
 impl Known<'_> {
     pub(super) fn new(catalog: &Catalog) -> Known<'_> {
-        let laws = catalog.iter().filter_map(law).flat_map(Law::family).chain([&phi::implicit::LAW]).collect();
+        let laws = catalog.iter().filter_map(law).flat_map(family).chain([&phi::implicit::LAW]).collect();
         Known { catalog, laws }
     }
 
@@ -56,7 +57,7 @@ impl Known<'_> {
 /// A law that computes coefficients from the parameters of items of `kind`. The links of a generator have parameters of REF.
 pub(super) fn law_of(kind: &'static Kind, code: &str) -> Option<&'static Law> {
     let own = law(kind).unwrap_or(&phi::ref_::LAW);
-    own.family().into_iter().chain([&phi::implicit::LAW]).find(|law| law.code == code)
+    family(own).into_iter().chain([&phi::implicit::LAW]).find(|law| law.code == code)
 }
 
 fn law(kind: &'static Kind) -> Option<&'static Law> {

@@ -13,12 +13,17 @@ use super::verify::{self, Wrong};
 use crate::kind::{Role, Unit};
 use crate::live::{DrivenParam, LiveItem, LiveModule, LiveParam, LivePlan, Loader, Source};
 use crate::numeric::VerletList;
+use crate::op::energy::empty_ledger;
 use crate::op::layout::{Account, HeardLink, Layout, LedgerPlan, SlowGroup, Substeps};
+use crate::op::layout::{AccountFns, OutputArrays};
 use crate::op::{Form, Law, Op, Pass, Vectors};
 use crate::scene::bind::listed;
+use crate::scene::identify;
 use crate::scene::symbols::Run;
+use crate::scene::{About, InHand, OutputNames, Passes};
 use crate::scene::{Before, Scene, Symbols};
 use crate::state::{ActiveContacts, Identity, Ledger, Ramps, SlowState, State};
+use crate::state::{LinkState, PortState};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -31,43 +36,41 @@ pub(super) fn scene(record: SceneRecord, known: &Known) -> Result<Scene, PlanErr
     let mut layout = laws.layout(record.layout)?;
     let live_coefs = record.initial.state.live.len();
     verify::layout(&layout, inputs.len(), live_coefs)?;
-    layout.substeps = record.substeps.map(|s| laws.substeps(s)).transpose()?;
+    layout.rates.substeps = record.substeps.map(|s| laws.substeps(s)).transpose()?;
     if let (Some(group), Some(slow)) = (record.slow, &record.initial.slow) {
         let group = laws.group(group)?;
         verify::layout(&group.layout, slow.state.input.len(), slow.state.live.len())?;
         verify::group(&group, &layout, slow.state.input.len())?;
-        layout.slow = Some(Arc::new(group));
+        layout.rates.slow = Some(Arc::new(group));
     }
     let [reads, forces, writes] = [record.reads, record.forces, record.writes].map(|list| laws.ops(list, listed));
     let (reads, forces, writes) = (reads?, forces?, writes?);
     let moves = laws.ops(record.moves, as_it_is)?;
     let mut initial = loaded(record.initial, &layout)?;
     let before = record.before.map(|b| before(b, &laws, &layout)).transpose()?;
-    initial.scene = Identity::of(&layout, [&reads, &forces, &writes, &moves], &initial);
+    initial.scene = identify(&layout, [&reads, &forces, &writes, &moves], &initial);
     let mut live = live(record.live, known)?;
     live.scene = initial.scene;
     let scene = Scene {
         rate: record.rate,
         layout,
-        reads,
-        forces,
-        fused: record.fused,
-        writes,
-        moves,
+        passes: Passes { reads, forces, fused: record.fused, writes, moves, sorted: record.sorted },
         inputs,
-        channel_names: record.channel_names.into_owned(),
-        probe_names: record.probe_names.into_owned(),
-        probe_of: record.probe_of.into_owned(),
+        names: OutputNames {
+            channel_names: record.channel_names.into_owned(),
+            probe_names: record.probe_names.into_owned(),
+            probe_of: record.probe_of.into_owned(),
+        },
         live,
-        gestures: record.gestures.into_owned(),
+        about: About {
+            gestures: record.gestures.into_owned(),
+            left_out: record.left_out.into_owned(),
+            title: record.title.into_owned(),
+            seconds: record.seconds,
+        },
         symbols: symbols(record.symbols, known)?,
         certificate: record.certificate.into_owned(),
-        equivalence: record.equivalence.into_owned(),
-        couplings: record.couplings.into_owned(),
-        left_out: record.left_out.into_owned(),
-        sorted: record.sorted,
-        title: record.title.into_owned(),
-        seconds: record.seconds,
+        hand: InHand { equivalence: record.equivalence.into_owned(), couplings: record.couplings.into_owned() },
         initial,
         before,
     };
@@ -99,8 +102,8 @@ impl Laws {
             return Err(Wrong("a law is missing in a pass of links, or stands in another pass"));
         }
         let kernel = law.map_or_else(|| pass.kernel(), |law| (law.fns.kernel)(by(form)));
-        let (name, fns) = (law.map_or(pass.name(), |law| law.code), law.map(|law| law.fns));
-        Ok(Op { kernel, pass, name, law, fns, form, ports, n, first, mat, coef, mem, tap })
+        let fns = law.map(|law| law.fns);
+        Ok(Op { kernel, pass, law, fns, form, ports, n, first, mat, coef, mem, tap })
     }
 
     fn layout(&self, record: LayoutRecord) -> Result<Layout, Wrong> {
@@ -109,11 +112,12 @@ impl Laws {
             let law = self.get(law)?;
             Ok(HeardLink { law, force: law.fns.force, ends, e0, coef, step, coefs, tap })
         });
+        let arrays = record.arrays.into_owned();
         Ok(Layout {
-            heard: heard.collect::<Result<_, Wrong>>()?,
+            out: OutputArrays { heard: heard.collect::<Result<_, Wrong>>()?, ..arrays.out },
             ledger: record.ledger.map(|ledger| self.ledger(ledger)).transpose()?,
             vectors: Vectors::detect(),
-            ..record.arrays.into_owned()
+            ..arrays
         })
     }
 
@@ -122,7 +126,20 @@ impl Laws {
             let AccountRecord { op, n, ports, first, coef, mem, tap, law, linear, live, rows } = account;
             let law = self.get(law)?;
             let (energies, idle) = (law.fns.energies, law.fns.idle);
-            Ok(Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies, rows, idle })
+            Ok(Account {
+                op,
+                n,
+                ports,
+                first,
+                coef,
+                mem,
+                tap,
+                law,
+                linear,
+                live,
+                fns: AccountFns { energies, idle },
+                rows,
+            })
         });
         let accounts = accounts.collect::<Result<_, Wrong>>()?;
         Ok(LedgerPlan { accounts, weight: record.weight, live: record.live })
@@ -158,7 +175,7 @@ fn before(record: BeforeRecord, laws: &Laws, layout: &Layout) -> Result<Before, 
 
 fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
     let mut state = flat(record.state, layout)?;
-    match (record.slow, &layout.slow) {
+    match (record.slow, &layout.rates.slow) {
         (None, None) => {}
         (Some(record), Some(group)) => {
             let SlowRecord { scene, state: own, ports, unknown } = record;
@@ -178,7 +195,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
 /// A state at load without its group.
 fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     verify::state(&record, layout)?;
-    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..Ledger::new(layout) }));
+    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..empty_ledger(layout) }));
     let [x, d, f, coef, lengths, tap] =
         [&record.x, &record.d, &record.f, &record.coef, &record.lengths, &record.tap].map(|all| all[..].into());
     Ok(State {
@@ -187,27 +204,31 @@ fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
         d,
         f,
         coef,
-        mem: record.mem.into_owned(),
-        lengths,
-        tap,
+        links: LinkState {
+            mem: record.mem.into_owned(),
+            lengths,
+            tap,
+            cells: record.cells.into_owned(),
+            near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
+            implicit: record.implicit.into_owned(),
+            touches: ActiveContacts::new(layout.counts.n_touch, layout.counts.n_mat),
+        },
         input: record.input.into_owned(),
-        last_input: record.last_input.into_owned(),
+        ports: PortState {
+            last_input: record.last_input.into_owned(),
+            border: record.border.into_owned(),
+            late: record.late.into_owned(),
+            blocked: record.blocked.into_owned(),
+            glide: record.glide.into_owned(),
+            lowpass: record.lowpass.into_owned(),
+            refused: 0,
+        },
         output: record.output.into_owned(),
-        cells: record.cells.into_owned(),
-        near: layout.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         slow: None,
-        border: record.border.into_owned(),
-        late: record.late.into_owned(),
-        blocked: record.blocked.into_owned(),
-        glide: record.glide.into_owned(),
-        lowpass: record.lowpass.into_owned(),
-        implicit: record.implicit.into_owned(),
-        touches: ActiveContacts::new(layout.n_touch, layout.n_mat),
         ramps: Ramps::new(record.live.into_owned(), record.whole),
         written: record.written.map(|order| Arc::from(&order[..])),
         ledger: kick,
         tick: 0,
-        refused: 0,
     })
 }
 

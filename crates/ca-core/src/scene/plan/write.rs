@@ -6,9 +6,12 @@ use super::record::{
     StateRecord, SubstepsRecord, SymbolsRecord,
 };
 use crate::live::{LiveItem, LiveParam, LivePlan, Loader, Source};
+use crate::op::layout::AccountFns;
 use crate::op::layout::{Account, HeardLink, Layout, LedgerPlan, SlowGroup, Substeps};
 use crate::op::{Law, Op};
+use crate::scene::{About, InHand, OutputNames, Passes};
 use crate::scene::{Before, Scene, Symbols};
+use crate::state::{LinkState, PortState};
 use crate::state::{Ramps, SlowState, State};
 use alloc::borrow::Cow;
 use alloc::collections::BTreeMap;
@@ -21,33 +24,22 @@ pub(super) fn scene(scene: &Scene) -> SceneRecord<'_> {
     let Scene {
         rate,
         layout,
-        reads,
-        forces,
-        fused,
-        writes,
-        moves,
+        passes: Passes { reads, forces, fused, writes, moves, sorted },
         inputs,
-        channel_names,
-        probe_names,
-        probe_of,
+        names: OutputNames { channel_names, probe_names, probe_of },
         live: plan,
-        gestures,
+        about: About { gestures, left_out, title, seconds },
         symbols: names,
         certificate,
-        equivalence,
-        couplings,
-        left_out,
-        sorted,
-        title,
-        seconds,
+        hand: InHand { equivalence, couplings },
         initial,
         before,
     } = scene;
     SceneRecord {
         rate: *rate,
         layout: laws.layout(layout),
-        substeps: layout.substeps.as_ref().map(|s| laws.substeps(s)),
-        slow: layout.slow.as_deref().map(|group| laws.group(group)),
+        substeps: layout.rates.substeps.as_ref().map(|s| laws.substeps(s)),
+        slow: layout.rates.slow.as_deref().map(|group| laws.group(group)),
         reads: laws.ops(reads),
         forces: laws.ops(forces),
         fused: *fused,
@@ -92,12 +84,12 @@ impl Codes {
     }
 
     fn op(&mut self, op: &Op) -> OpRecord {
-        let &Op { kernel: _, pass, name: _, law, fns: _, form, ports, n, first, mat, coef, mem, tap } = op;
+        let &Op { kernel: _, pass, law, fns: _, form, ports, n, first, mat, coef, mem, tap } = op;
         OpRecord { pass, law: law.map(|law| self.place(law)), form, ports, n, first, mat, coef, mem, tap }
     }
 
     fn layout<'a>(&mut self, layout: &'a Layout) -> LayoutRecord<'a> {
-        let heard = layout.heard.iter().map(|link| {
+        let heard = layout.out.heard.iter().map(|link| {
             let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = link;
             HeardRecord { law: self.place(law), ends, e0, coef, step, coefs, tap }
         });
@@ -110,8 +102,20 @@ impl Codes {
 
     fn ledger(&mut self, plan: &LedgerPlan) -> LedgerRecord {
         let accounts = plan.accounts.iter().map(|account| {
-            let &Account { op, n, ports, first, coef, mem, tap, law, linear, live, energies: _, rows, idle: _ } =
-                account;
+            let &Account {
+                op,
+                n,
+                ports,
+                first,
+                coef,
+                mem,
+                tap,
+                law,
+                linear,
+                live,
+                fns: AccountFns { energies: _, idle: _ },
+                rows,
+            } = account;
             AccountRecord { op, n, ports, first, coef, mem, tap, law: self.place(law), linear, live, rows }
         });
         LedgerRecord { accounts: accounts.collect(), weight: plan.weight, live: plan.live }
@@ -175,27 +179,15 @@ fn flat(state: &State) -> StateRecord<'_> {
         d,
         f,
         coef,
-        mem,
-        lengths,
-        tap,
+        links: LinkState { mem, lengths, tap, cells, near: _, implicit, touches: _ },
         input,
-        last_input,
+        ports: PortState { last_input, border, late, blocked, glide, lowpass, refused: _ },
         output,
-        cells,
-        near: _,
         slow: _,
-        border,
-        late,
-        blocked,
-        glide,
-        lowpass,
-        implicit,
-        touches: _,
         ramps,
         written: [slots, coefs],
         ledger,
         tick: _,
-        refused: _,
     } = state;
     let [x, d, f, coef, lengths, tap] = [x, d, f, coef, lengths, tap].map(|all| Cow::Borrowed(&all[..]));
     let Ramps { index, whole, .. } = ramps;

@@ -11,7 +11,7 @@ impl Adjoint<'_> {
     /// Ends before the first tick: adjoints of all numbers.
     pub fn end(mut self) -> Vec<f64> {
         let (scene, place) = (self.scene, self.place);
-        let (coef, adjoint, n) = (&place.initial.coef, &mut self.of_numbers, scene.layout.n_mat);
+        let (coef, adjoint, n) = (&place.initial.coef, &mut self.of_numbers, scene.layout.counts.n_mat);
         let own = &scene.initial.coef;
         // the adjoint of the motion to come is ν times this inertia
         let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
@@ -47,13 +47,13 @@ impl Adjoint<'_> {
             }
             for (i, alone) in l.alone.iter().enumerate() {
                 let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
-                adjoint[number(place.layout.e0[l.of.first + i])] += slope * alone;
+                adjoint[number(place.layout.links.e0[l.of.first + i])] += slope * alone;
             }
         }
-        for (v, by) in place.initial.mem.iter().zip(&self.mem) {
+        for (v, by) in place.initial.links.mem.iter().zip(&self.mem) {
             adjoint[number(*v)] += by;
         }
-        for (v, by) in place.initial.lengths.iter().zip(&self.lengths) {
+        for (v, by) in place.initial.links.lengths.iter().zip(&self.lengths) {
             adjoint[number(*v)] += by;
         }
         self.of_numbers
@@ -62,14 +62,14 @@ impl Adjoint<'_> {
 
 /// The inertia of the scene times `v`: of masses, and what implicit links add.
 fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
-    let (n, coef) = (scene.layout.n_mat, &scene.initial.coef);
+    let (n, coef) = (scene.layout.counts.n_mat, &scene.initial.coef);
     let mut all: Vec<f64> = v.iter().zip(&coef[2 * n..]).map(|(v, c)| if *c == 0.0 { 0.0 } else { v / c }).collect();
     for k in &parts.implicit {
-        let op = &scene.forces[*k];
+        let op = &scene.passes.forces[*k];
         for i in 0..op.n {
-            let [a, b] = scene.layout.ends[op.first + i].map(|m| m as usize);
+            let [a, b] = scene.layout.links.ends[op.first + i].map(|m| m as usize);
             let [k, z, theta] = [0, 1, 2].map(|k| coef[op.coef + k * op.n + i]);
-            let force = ca_core::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
+            let force = ca_core::internal::method::implicit::inertia(&[k, z, theta]) * (v[b] - v[a]);
             all[b] += force;
             all[a] -= force;
         }

@@ -20,10 +20,10 @@ use crate::reverse::heard::{HeardAdjoint, Outputs};
 use crate::reverse::single::{Adjoints, Pairs, Single};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
 use crate::reverse::taps::HeardLink;
-use ca_core::numeric::{Aligned, Dual};
-use ca_core::op::Op;
-use ca_core::op::layout::Layout;
-use ca_core::{Scene, State};
+use ca_core::internal::numeric::Aligned;
+use ca_core::internal::op::Op;
+use ca_core::internal::op::layout::Layout;
+use ca_core::{Dual, Scene, State};
 
 /// A scene on its way back.
 pub struct Adjoint<'a> {
@@ -87,33 +87,35 @@ impl<'a> Adjoint<'a> {
         needed: &[bool],
     ) -> Result<Adjoint<'a>, String> {
         let mut layout = scene.layout.clone();
-        layout.e0.fill(0.0);
+        layout.links.e0.fill(0.0);
         let mut a = scene.state();
         for all in [&mut a.x, &mut a.d, &mut a.f] {
             all.fill(0.0);
         }
         let is_needed = |v: f64| needed[number(v)];
-        let (coef, e0) = (&place.initial.coef, &place.layout.e0);
+        let (coef, e0) = (&place.initial.coef, &place.layout.links.e0);
         let needs = |of: &Rows, k: usize| coef[of.coef + k * of.n..][..of.n].iter().any(|v| is_needed(*v));
         let wanted = |of: Rows| {
             let elongations = e0[of.first..][..of.n].iter().any(|v| is_needed(*v));
             let coefficients: Vec<bool> = (0..of.basis.0.len()).map(|k| needs(&of, k)).collect();
             Links::wanted(of, &coefficients, elongations)
         };
-        let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.forces[*k], basis));
-        let solved = |k: &usize| wanted(Rows::listed(scene, &scene.forces[*k], &Basis::implicit())).map(Links::ahead);
-        let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.moves[*k], basis);
-        let n = scene.layout.n_mat;
+        let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.passes.forces[*k], basis));
+        let solved =
+            |k: &usize| wanted(Rows::listed(scene, &scene.passes.forces[*k], &Basis::implicit())).map(Links::ahead);
+        let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.passes.moves[*k], basis);
+        let n = scene.layout.counts.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
-        let no = |op: usize| unknown(&scene.forces[op]);
+        let no = |op: usize| unknown(&scene.passes.forces[op]);
         let single =
             |link: &Link| Single::new(scene, link, dual, place, &is_needed, &parts.driven).ok_or_else(|| no(link.op()));
-        let pairs = |k: &usize| Pairs::new(scene, &scene.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
+        let pairs =
+            |k: &usize| Pairs::new(scene, &scene.passes.forces[*k], dual, place, &is_needed).ok_or_else(|| no(*k));
         let singles = |all: &[Link]| all.iter().map(single).collect::<Result<Vec<_>, _>>();
         let outputs = Outputs::of(scene);
         let (small, mut linear, mut moves) = Small::of(scene, parts);
-        linear.extend(parts.implicit.iter().map(|k| &scene.forces[*k]));
-        moves.retain(|op| op.name != "flush");
+        linear.extend(parts.implicit.iter().map(|k| &scene.passes.forces[*k]));
+        moves.retain(|op| op.name() != "flush");
         let mut adjoint = Adjoint {
             links: singles(&parts.links)?,
             last: singles(&parts.last)?,
@@ -128,13 +130,13 @@ impl<'a> Adjoint<'a> {
             moved: Vec::new(),
             sums: vec![0.0; parts.summed.len()],
             before: Vec::new(),
-            mem: vec![0.0; scene.initial.mem.len()],
-            lengths: vec![0.0; scene.initial.lengths.len()],
+            mem: vec![0.0; scene.initial.links.mem.len()],
+            lengths: vec![0.0; scene.initial.links.lengths.len()],
             first: vec![0.0; n],
             of_numbers: vec![0.0; needed.len()],
             inputs: vec![0.0; scene.inputs.len()],
             driven: vec![0.0; parts.driven.len()],
-            taps: vec![0.0; scene.layout.n_tap],
+            taps: vec![0.0; scene.layout.counts.n_tap],
             heard: HeardLink::all(scene, parts, place),
             layout,
             a,
@@ -149,7 +151,7 @@ impl<'a> Adjoint<'a> {
         adjoint.moved = adjoint.motions();
         let room = |wanted: bool| Aligned::zeros(if wanted { TICKS * whole_lines(n) } else { 0 });
         let own = !adjoint.rows.is_empty() || !adjoint.masses.is_idle();
-        let differs = !parts.summed.is_empty() || !scene.layout.moving_points.is_empty();
+        let differs = !parts.summed.is_empty() || !scene.layout.places.moving_points.is_empty();
         adjoint.more = room(differs && !adjoint.listed.is_empty());
         adjoint.nu = room(own || (!differs && !adjoint.listed.is_empty()));
         Ok(adjoint)
@@ -158,13 +160,13 @@ impl<'a> Adjoint<'a> {
     /// Slots whose motion may have an adjoint of its own.
     fn motions(&self) -> Vec<usize> {
         let l = &self.scene.layout;
-        let heard = l.outputs.iter().filter_map(|o| match o.tap {
-            ca_core::op::layout::Tap::Position(m) => Some(m as usize),
+        let heard = l.out.outputs.iter().filter_map(|o| match o.tap {
+            ca_core::internal::op::layout::Tap::Position(m) => Some(m as usize),
             _ => None,
         });
         let links = self.links.iter().chain(&self.last).flat_map(|s| s.slots().iter().copied());
         let sets = self.sets.iter().flat_map(|s| s.slots(self.scene));
-        let nodes = l.nodes.iter().map(|m| *m as usize);
+        let nodes = l.places.nodes.iter().map(|m| *m as usize);
         let mut all: Vec<usize> =
             heard.chain(links).chain(sets).chain(nodes).chain(self.heard.iter().flat_map(|h| h.ends)).collect();
         all.sort_unstable();
@@ -181,7 +183,7 @@ impl<'a> Adjoint<'a> {
     pub fn sum(&mut self, record: &Record, k: usize) {
         let (n, ticks) = (whole_lines(self.a.x.len()), self.unsummed);
         let more = if self.more.is_empty() { &self.nu } else { &self.more };
-        let e0 = &self.scene.layout.e0[..];
+        let e0 = &self.scene.layout.links.e0[..];
         for (all, links, masses) in [(more, &mut self.listed, None), (&self.nu, &mut self.rows, Some(&mut self.masses))]
         {
             // the last tick came first
@@ -199,10 +201,10 @@ impl<'a> Adjoint<'a> {
         let [now, late] = &mut self.motion;
         // what goes by modes, and what stands between others, is given the forces of these in parts
         if let Some([read, _]) = self.parts.modal {
-            let op = &self.scene.reads[read];
+            let op = &self.scene.passes.reads[read];
             (op.kernel)(op, &self.layout, a);
         }
-        let points = &self.scene.layout.moving_points;
+        let points = &self.scene.layout.places.moving_points;
         let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
         // these grow below, and only then that of a point is known
         cells().for_each(|(m, _)| a.x[m] = 0.0);
@@ -221,8 +223,8 @@ impl<'a> Adjoint<'a> {
         };
         self.outputs.back(tick, adjoint, &row, to, gains);
         for (k, [r, g]) in high_passes {
-            of_numbers[number(place.layout.blockers[k].r)] += r;
-            of_numbers[number(place.layout.blockers[k].g)] += g;
+            of_numbers[number(place.layout.out.blockers[k].r)] += r;
+            of_numbers[number(place.layout.out.blockers[k].g)] += g;
         }
         self.driven.fill(0.0);
         // first links that go by sums of forces: they add to the adjoints of these sums, which all others read
@@ -268,13 +270,13 @@ impl<'a> Adjoint<'a> {
         }
         // what does not hang together with anything
         for k in &self.parts.weights {
-            let op = &self.scene.forces[*k];
+            let op = &self.scene.passes.forces[*k];
             for (k, m) in self.scene.layout.weighed[..op.n].iter().enumerate() {
                 of_numbers[number(place.initial.coef[op.coef + k])] += a.x[*m as usize];
             }
         }
         self.inputs.fill(0.0);
-        for p in &self.scene.layout.enf {
+        for p in &self.scene.layout.ports.enf {
             self.inputs[p.input as usize] += a.x[p.mat as usize];
         }
         let at = (TICKS - 1 - self.unsummed) * whole_lines(a.x.len());
@@ -309,12 +311,14 @@ impl<'a> Adjoint<'a> {
             }
         }
         if let Some([_, share]) = self.parts.modal {
-            let op = &self.scene.forces[share];
-            for ((p, other), force) in self.scene.layout.modal.iter().zip(&place.layout.modal).zip(row.modal) {
+            let op = &self.scene.passes.forces[share];
+            for ((p, other), force) in
+                self.scene.layout.places.modal.iter().zip(&place.layout.places.modal).zip(row.modal)
+            {
                 let (m, first, n) = (p.mat as usize, p.first as usize, p.n as usize);
                 // at the first tick its motion is no difference of two places
                 let start = forced.as_ref().map_or(0.0, |b| b.f[m]);
-                for (k, share) in place.layout.shares[other.share as usize..][..n].iter().enumerate() {
+                for (k, share) in place.layout.places.shares[other.share as usize..][..n].iter().enumerate() {
                     let q = first + k;
                     of_numbers[number(*share)] += a.f[m] * row.x[q] + start * (row.d[q] - row.x[q]) + a.x[q] * force;
                 }
@@ -326,15 +330,15 @@ impl<'a> Adjoint<'a> {
         }
         // at the first tick a port has no motion
         let to_port = |mat: u32| a.f[mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[mat as usize]);
-        for (p, other) in self.scene.layout.enx.iter().zip(&place.layout.enx) {
+        for (p, other) in self.scene.layout.ports.enx.iter().zip(&place.layout.ports.enx) {
             self.inputs[p.input as usize] += to_port(p.mat);
             of_numbers[number(other.rest)] -= to_port(p.mat);
         }
-        for p in &self.scene.layout.tgr {
+        for p in &self.scene.layout.ports.tgr {
             self.inputs[p.input as usize] += to_port(p.mat);
         }
         for k in &self.parts.solves {
-            let op = &self.scene.forces[*k];
+            let op = &self.scene.passes.forces[*k];
             (op.kernel)(op, layout, a);
             if let Some(b) = &mut forced {
                 (op.kernel)(op, layout, b);

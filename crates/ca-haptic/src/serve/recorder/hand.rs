@@ -132,7 +132,7 @@ impl Recorder {
             return;
         }
         let Some(began) = self.hand.began else { return };
-        let t = self.tick.saturating_sub(began) as f64 * self.scene.sample_dt;
+        let t = self.tick.saturating_sub(began) as f64 * self.scene.rates.sample_dt;
         let params = self.controls.params();
         let changes: Vec<(String, f64)> = self
             .hand

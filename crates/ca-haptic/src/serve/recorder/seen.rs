@@ -8,8 +8,7 @@ use crate::serve::loops::Loops;
 use crate::serve::sink::Notice;
 use crate::serve::summary::{DeviceSummary, Fault};
 use crate::stats::Times;
-use ca_core::Scene;
-use ca_core::scene::InputRole;
+use ca_core::{InputRole, Scene};
 
 /// Between two words on a device that is armed and waits \[s\].
 const REPEAT: f64 = 2.0;

@@ -7,8 +7,7 @@ use super::super::picture;
 use super::{Recorder, hand};
 use crate::engine::{EngineCommand, Setup, Swap};
 use crate::version::{self, Version};
-use ca_core::Scene;
-use ca_core::live::LiveParam;
+use ca_core::{LiveParam, Scene};
 use std::sync::Arc;
 
 /// Pictures of a new version that the ring must have room for.

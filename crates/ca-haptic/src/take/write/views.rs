@@ -4,9 +4,8 @@
 //! own library. They are for eyes and ears: rounded, decimated, never read back. What stands on a line is drawn as a
 //! row, one module a centimetre, with its position upwards.
 
-use ca_core::Scene;
-use ca_core::op::layout::Layout;
-use ca_core::scene::{InputRole, Location};
+use ca_core::internal::op::layout::Layout;
+use ca_core::{InputRole, Location, Scene};
 use foxglove::Encode;
 use foxglove::messages::{
     Color, JointState, JointStates, LinePrimitive, Log, PackedElementField, Point3, PointCloud, RawAudio, SceneEntity,
@@ -48,7 +47,7 @@ impl Picture {
             .collect();
         mats.sort_unstable();
         mats.dedup();
-        let mut of = vec![u32::MAX; layout.n_mat];
+        let mut of = vec![u32::MAX; layout.counts.n_mat];
         for (n, (at, space)) in mats.iter().enumerate() {
             for place in of.iter_mut().skip(*at).take(if *space { 3 } else { 1 }) {
                 *place = n as u32;
@@ -58,8 +57,8 @@ impl Picture {
             let [a, b] = e.map(|p| of.get(p as usize).copied().unwrap_or(u32::MAX));
             (a != u32::MAX && b != u32::MAX && a != b).then_some([a, b])
         };
-        let links = layout.ends.iter().filter_map(drawn).take(LINKS).collect();
-        Picture { links, rest: layout.rest.clone(), mats }
+        let links = layout.links.ends.iter().filter_map(drawn).take(LINKS).collect();
+        Picture { links, rest: layout.places.rest.clone(), mats }
     }
 
     /// Where each MAT is \[m\], given the displacements of the state.
@@ -115,7 +114,7 @@ fn stamp(time: u64) -> Timestamp {
 
 /// What a degree of freedom is called: the port it moves, else device and number.
 pub fn joint(scene: &Scene, device: &str, dof: usize) -> String {
-    let mine = |i: &&ca_core::scene::Input| {
+    let mine = |i: &&ca_core::Input| {
         i.role == InputRole::Device && i.device.as_ref().is_some_and(|d| d.0 == device && d.1 as usize == dof)
     };
     scene.inputs.iter().find(mine).map_or_else(|| format!("{device}.{dof}"), |i| i.name.clone())

@@ -47,7 +47,7 @@ pub struct Performer {
     /// of each DOF of each device: where it is \[m\], as a function of time
     script: fn(usize, usize, f64) -> f64,
     seq: u64,
-    controls: ca_core::live::Controls,
+    controls: ca_core::Controls,
 }
 
 /// Slow and fast, within what a hand does.
@@ -128,8 +128,8 @@ impl Performer {
     pub fn frame(&mut self) {
         self.seq += 1;
         let due = self.engine.due();
-        let ratio = u64::from(self.engine.scene.ratio);
-        let t = (due.saturating_sub(1) / ratio) as f64 * self.engine.scene.sample_dt * ratio as f64;
+        let ratio = u64::from(self.engine.scene.rates.ratio);
+        let t = (due.saturating_sub(1) / ratio) as f64 * self.engine.scene.rates.sample_dt * ratio as f64;
         for k in 0..self.engine.ports.len() {
             let (name, n) = (self.engine.ports[k].name.clone(), self.engine.ports[k].profile.dof as usize);
             let mut frame = DeviceFrame::new(&name, n);

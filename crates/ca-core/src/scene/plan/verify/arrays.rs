@@ -3,6 +3,7 @@
 use super::{Verified, block, each, ensure, links, within};
 use crate::numeric::ldl::Pattern;
 use crate::op::heard::COEFS;
+use crate::op::layout::Counts;
 use crate::op::layout::{
     CoordinateSource, Driven, HeardLink, ImplicitLinks, Layout, LedgerPlan, LinkForce, MovingPoint, SolvedModal, Tap,
     Termination, Waves,
@@ -10,16 +11,16 @@ use crate::op::layout::{
 
 /// A layout without its group and ticks between samples. `inputs` and `live` count the inputs and live coefficients of its scene.
 pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verified {
-    let Layout { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out, .. } = *l;
-    ensure(l.ratio > 0 && l.frame > 0, "a gesture frame has 0 ticks")?;
-    ensure(l.sample_dt > 0.0 && l.sample_dt.is_finite(), "the length of a sample is not above 0")?;
+    let Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out } = l.counts;
+    ensure(l.rates.ratio > 0 && l.rates.frame > 0, "a gesture frame has 0 ticks")?;
+    ensure(l.rates.sample_dt > 0.0 && l.rates.sample_dt.is_finite(), "the length of a sample is not above 0")?;
     ensure(block(0, 3, n_mat, n_coef), "masses have more coefficients than there are")?;
-    ensure(l.rest.len() == n_mat, "masses and their rest positions differ in number")?;
-    ensure([l.ends.len(), l.e0.len()] == [n_lia; 2], "links and their ends differ in number")?;
-    ensure(l.rows.len() == l.reach.len(), "distances and the rows that they stand in differ in number")?;
+    ensure(l.places.rest.len() == n_mat, "masses and their rest positions differ in number")?;
+    ensure([l.links.ends.len(), l.links.e0.len()] == [n_lia; 2], "links and their ends differ in number")?;
+    ensure(l.links.rows.len() == l.links.reach.len(), "distances and the rows that they stand in differ in number")?;
     ensure(n_touch <= n_lia, "more contacts than links are solved together")?;
     ensure(channels <= n_out, "there are more channels than outputs")?;
-    for set in &l.pair_sets {
+    for set in &l.links.pair_sets {
         let n = set.members.len();
         ensure(set.rows <= n && set.columns <= n, "a set of pairs has more rows or columns than members")?;
         ensure(
@@ -27,33 +28,39 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
             "a set of pairs has a member beyond the masses",
         )?;
     }
-    ensure(each(&l.nodes, n_mat), "a node of a moving point is beyond the masses")?;
+    ensure(each(&l.places.nodes, n_mat), "a node of a moving point is beyond the masses")?;
     ensure(
-        l.moving_points.iter().all(|p| moving(p, l)),
+        l.places.moving_points.iter().all(|p| moving(p, l)),
         "a moving point stands beyond the nodes, masses or coefficients",
     )?;
-    let modal = l.modal.iter().all(|p| {
+    let modal = l.places.modal.iter().all(|p| {
         let [mat, first, share, n] = [p.mat, p.first, p.share, p.n].map(|v| v as usize);
-        mat < n_mat && within(first, n, n_mat) && within(share, n, l.shares.len())
+        mat < n_mat && within(first, n, n_mat) && within(share, n, l.places.shares.len())
     });
     ensure(modal, "a mass goes by modes or shares that are not there")?;
-    let solved = l.solved_modal.iter().all(|h| {
+    let solved = l.places.solved_modal.iter().all(|h| {
         let [modal, mat, tap] = [h.modal, h.mat, h.tap].map(|v| v as usize);
-        modal < l.modal.len() && mat < n_mat && within(tap, SolvedModal::TAPS, n_tap)
+        modal < l.places.modal.len() && mat < n_mat && within(tap, SolvedModal::TAPS, n_tap)
     });
     ensure(solved, "a mass that is solved by its modes is not there")?;
-    let coupled = l.modal_couplings.iter().all(|g| {
+    let coupled = l.places.modal_couplings.iter().all(|g| {
         let [first, n, numbers] = [g.first, g.n, g.numbers].map(|v| v as usize);
-        n > 0 && within(first, n, l.solved_modal.len()) && block(numbers, n, n, l.couplings.len())
+        n > 0 && within(first, n, l.places.solved_modal.len()) && block(numbers, n, n, l.places.couplings.len())
     });
     ensure(coupled, "masses are coupled by numbers that are not there")?;
-    let ports = l.enx.iter().chain(&l.tgr).map(|p| (p.input, p.mat)).chain(l.enf.iter().map(|p| (p.input, p.mat)));
+    let ports = l
+        .ports
+        .enx
+        .iter()
+        .chain(&l.ports.tgr)
+        .map(|p| (p.input, p.mat))
+        .chain(l.ports.enf.iter().map(|p| (p.input, p.mat)));
     let port = |(input, mat): (u32, u32)| (input as usize) < inputs && (mat as usize) < n_mat;
     ensure(ports.into_iter().all(port), "a port is beyond the inputs or masses")?;
-    ensure(l.driven.iter().all(|d| driven(d, inputs, live)), "a port drives coefficients that are not there")?;
+    ensure(l.ports.driven.iter().all(|d| driven(d, inputs, live)), "a port drives coefficients that are not there")?;
     waves(&l.waves, n_mat, n_mem)?;
     ensure(each(&l.weighed, n_mat), "a weight is beyond the masses")?;
-    ensure(l.heard.iter().all(|h| heard(h, l)), "a heard link is beyond the masses, coefficients or forces")?;
+    ensure(l.out.heard.iter().all(|h| heard(h, l)), "a heard link is beyond the masses, coefficients or forces")?;
     outputs(l)?;
     l.implicit.as_ref().map_or(Ok(()), |a| implicit(a, l))?;
     l.ledger.as_ref().map_or(Ok(()), |plan| ledger(plan, l))
@@ -62,11 +69,11 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
 fn moving(p: &MovingPoint, l: &Layout) -> bool {
     let [n, m] = p.size.map(|n| n as usize);
     let source = |at: &CoordinateSource| match at {
-        CoordinateSource::Coef(c) => (*c as usize) < l.n_coef,
-        CoordinateSource::Mat(m) => (*m as usize) < l.n_mat,
+        CoordinateSource::Coef(c) => (*c as usize) < l.counts.n_coef,
+        CoordinateSource::Mat(m) => (*m as usize) < l.counts.n_mat,
     };
-    let cells = n >= 2 && m >= 1 && block(p.first as usize, n, m, l.nodes.len());
-    cells && (p.mat as usize) < l.n_mat && p.at.iter().all(source)
+    let cells = n >= 2 && m >= 1 && block(p.first as usize, n, m, l.places.nodes.len());
+    cells && (p.mat as usize) < l.counts.n_mat && p.at.iter().all(source)
 }
 
 fn driven(d: &Driven, inputs: usize, live: usize) -> bool {
@@ -94,22 +101,22 @@ fn heard(h: &HeardLink, l: &Layout) -> bool {
     let [coef, step, coefs, tap] = [h.coef, h.step, h.coefs, h.tap].map(|v| v as usize);
     let last = coefs.saturating_sub(1).checked_mul(step).and_then(|more| more.checked_add(coef));
     let law = h.law.mem == 0 && coefs <= COEFS;
-    law && last.is_some_and(|last| last < l.n_coef) && tap < l.n_tap && each(&h.ends, l.n_mat)
+    law && last.is_some_and(|last| last < l.counts.n_coef) && tap < l.counts.n_tap && each(&h.ends, l.counts.n_mat)
 }
 
 fn outputs(l: &Layout) -> Verified {
     let tap = |tap: Tap| match tap {
-        Tap::Position(m) | Tap::ForceOn(m) => (m as usize) < l.n_mat,
-        Tap::ForceOf(t) => (t as usize) < l.n_tap,
+        Tap::Position(m) | Tap::ForceOn(m) => (m as usize) < l.counts.n_mat,
+        Tap::ForceOf(t) => (t as usize) < l.counts.n_tap,
     };
-    let outputs = l.outputs.iter().all(|o| (o.channel as usize) < l.n_out && tap(o.tap));
+    let outputs = l.out.outputs.iter().all(|o| (o.channel as usize) < l.counts.n_out && tap(o.tap));
     ensure(outputs, "an output is beyond the channels, masses or forces")?;
-    ensure(l.blockers.len() <= l.outputs.len(), "there are more high passes than outputs")?;
-    let [motion, blocked] = l.of_motion;
-    ensure(within(motion, blocked, l.outputs.len()), "more outputs hear motion than there are")?;
-    let rows = l.output_rows.iter().all(|row| {
-        let first = row.first.is_none_or(|first| within(first as usize, row.n as usize, l.n_mat));
-        (row.channel as usize) < l.n_out && first
+    ensure(l.out.blockers.len() <= l.out.outputs.len(), "there are more high passes than outputs")?;
+    let [motion, blocked] = l.out.of_motion;
+    ensure(within(motion, blocked, l.out.outputs.len()), "more outputs hear motion than there are")?;
+    let rows = l.out.output_rows.iter().all(|row| {
+        let first = row.first.is_none_or(|first| within(first as usize, row.n as usize, l.counts.n_mat));
+        (row.channel as usize) < l.counts.n_out && first
     });
     ensure(rows, "a row of outputs is beyond the channels or masses")
 }
@@ -129,24 +136,24 @@ pub(super) fn pattern(p: &Pattern) -> bool {
 
 fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
     ensure(pattern(&a.pattern), "the pattern of implicit links is not a factor")?;
-    let places = a.places.len() == a.pattern.size() && each(&a.places, l.n_mat);
+    let places = a.places.len() == a.pattern.size() && each(&a.places, l.counts.n_mat);
     ensure(places, "an implicit link joins what is not there")?;
     let numbers = a.pattern.numbers().checked_add(a.places.len());
-    let numbers = numbers.is_some_and(|n| within(a.coef, n, l.n_coef));
+    let numbers = numbers.is_some_and(|n| within(a.coef, n, l.counts.n_coef));
     ensure(numbers, "the factor of implicit links is beyond the coefficients")?;
-    let tap = |tap: Option<u32>| tap.is_none_or(|tap| (tap as usize) < l.n_tap);
+    let tap = |tap: Option<u32>| tap.is_none_or(|tap| (tap as usize) < l.counts.n_tap);
     let force = |LinkForce { coef, tap: of, moving, fixed }: &LinkForce| {
         let moving = moving.iter().all(|(i, _)| (*i as usize) < a.places.len());
-        let fixed = fixed.iter().all(|(i, _)| (*i as usize) < l.n_mat);
-        moving && fixed && each(coef, l.n_coef) && tap(*of)
+        let fixed = fixed.iter().all(|(i, _)| (*i as usize) < l.counts.n_mat);
+        moving && fixed && each(coef, l.counts.n_coef) && tap(*of)
     };
     ensure(a.forces.iter().all(force), "the force of an implicit link is made of what is not there")?;
-    let pairs = a.pairs.iter().all(|pair| each(&pair.ends, l.n_mat) && tap(pair.tap));
+    let pairs = a.pairs.iter().all(|pair| each(&pair.ends, l.counts.n_mat) && tap(pair.tap));
     ensure(pairs, "an implicit link joins what is not there")
 }
 
 fn ledger(plan: &LedgerPlan, l: &Layout) -> Verified {
-    ensure(within(plan.weight, l.weighed.len(), l.n_coef), "a weight of the ledger is beyond the coefficients")?;
+    ensure(within(plan.weight, l.weighed.len(), l.counts.n_coef), "a weight of the ledger is beyond the coefficients")?;
     let mut work = links::Work::of(l);
     plan.accounts.iter().try_for_each(|account| links::account(account, l, &mut work))
 }

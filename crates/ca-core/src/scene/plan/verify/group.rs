@@ -18,7 +18,7 @@ pub(in super::super) fn group(group: &SlowGroup, layout: &Layout, inputs: usize)
     passes(&group.moves, |form| form, own, &mut work)?;
     let alone = |pass: Pass| !counts(pass) && pass != Pass::Inputs;
     ensure(lists.into_iter().flatten().all(|op| alone(op.pass)), "a frame of a group has several ticks")?;
-    let copied = |p: &Copied| (p.own as usize) < own.n_mat && (p.at as usize) < layout.n_mat;
+    let copied = |p: &Copied| (p.own as usize) < own.counts.n_mat && (p.at as usize) < layout.counts.n_mat;
     let ports = group.ports.iter().chain(&group.shown).all(copied);
     ensure(ports, "a place of a group is beyond the masses")?;
     let coupled = group.coupled;
@@ -27,6 +27,6 @@ pub(in super::super) fn group(group: &SlowGroup, layout: &Layout, inputs: usize)
     let width = response.places.len().checked_mul(2).and_then(|n| n.checked_add(1));
     let known = width.is_some_and(|width| block(0, coupled, width, response.known.len()));
     let answer = block(0, coupled, coupled, response.answer.len());
-    let places = each(&response.places, layout.n_mat);
+    let places = each(&response.places, layout.counts.n_mat);
     ensure(known && answer && places, "the sound answers a group by numbers that are not there")
 }

@@ -13,7 +13,7 @@ pub(super) struct Work(usize);
 
 impl Work {
     pub(super) fn of(l: &Layout) -> Work {
-        Work(l.n_lia.saturating_mul(PASSES))
+        Work(l.counts.n_lia.saturating_mul(PASSES))
     }
 
     fn take(&mut self, n: usize) -> Verified {
@@ -36,16 +36,16 @@ impl Batch<'_> {
     fn verify(&self, l: &Layout, work: &mut Work) -> Verified {
         let Batch { law, ports, n, first, coef, mem } = *self;
         work.take(n)?;
-        ensure(within(first, n, l.n_lia), "a pass runs over links that are not there")?;
-        ensure(block(coef, law.coefs, n, l.n_coef), "links have coefficients that are not there")?;
-        ensure(block(mem, law.mem, n, l.n_mem), "links have memory that is not there")?;
-        let ends = &l.ends[first..first + n];
+        ensure(within(first, n, l.counts.n_lia), "a pass runs over links that are not there")?;
+        ensure(block(coef, law.coefs, n, l.counts.n_coef), "links have coefficients that are not there")?;
+        ensure(block(mem, law.mem, n, l.counts.n_mem), "links have memory that is not there")?;
+        let ends = &l.links.ends[first..first + n];
         port(ports.measure, ends, ports.reach, l)?;
         if let Some((measure, first, reach)) = ports.onto {
-            ensure(within(first, n, l.onto.len()), "the second port of a quadripole is missing")?;
-            port(measure, &l.onto[first..first + n], reach, l)?;
+            ensure(within(first, n, l.links.onto.len()), "the second port of a quadripole is missing")?;
+            port(measure, &l.links.onto[first..first + n], reach, l)?;
         }
-        ensure(ports.pair_set.is_none_or(|set| set < l.pair_sets.len()), "a batch joins a set that is not there")
+        ensure(ports.pair_set.is_none_or(|set| set < l.links.pair_sets.len()), "a batch joins a set that is not there")
     }
 }
 
@@ -53,22 +53,22 @@ impl Batch<'_> {
 fn port(measure: MeasureKind, ends: &[[u32; 2]], reach: usize, l: &Layout) -> Verified {
     const BEYOND: &str = "a link has an end beyond the masses";
     if measure == MeasureKind::Line {
-        return ensure(each(ends.as_flattened(), l.n_mat), BEYOND);
+        return ensure(each(ends.as_flattened(), l.counts.n_mat), BEYOND);
     }
     let n = ends.len();
-    ensure(within(reach, n, l.reach.len()), "the distance at rest of a link in space is missing")?;
-    let rows = l.rows[reach..reach + n].iter().zip(ends).enumerate();
+    ensure(within(reach, n, l.links.reach.len()), "the distance at rest of a link in space is missing")?;
+    let rows = l.links.rows[reach..reach + n].iter().zip(ends).enumerate();
     // of a row, the numbers of all points are read from its first ends on
     let fits = |(i, (row, ends)): (usize, (&i32, &[u32; 2]))| {
         let links = usize::try_from(*row).unwrap_or(0).clamp(1, n - i);
-        ends.iter().all(|end| block(*end as usize, 3, links, l.n_mat))
+        ends.iter().all(|end| block(*end as usize, 3, links, l.counts.n_mat))
     };
     ensure(rows.into_iter().all(fits), BEYOND)
 }
 
 /// The members of the set of a batch.
 fn members(ports: &Ports, l: &Layout) -> usize {
-    ports.pair_set.and_then(|set| l.pair_sets.get(set)).map_or(0, |set| set.members.len())
+    ports.pair_set.and_then(|set| l.links.pair_sets.get(set)).map_or(0, |set| set.members.len())
 }
 
 /// A pass of links of `law`, whose kernel was chosen by `form`.
@@ -80,13 +80,13 @@ pub(super) fn pass(op: &Op, law: &Law, form: Form, l: &Layout, work: &mut Work) 
     if form.set {
         let forces = 3usize.saturating_mul(members(&ports, l));
         ensure(n == 1 && law.mem == 0 && ports.pair_set.is_some(), "the set of a pass is missing")?;
-        return ensure(!form.tap || within(tap, forces, l.n_tap), "a set is beyond the forces");
+        return ensure(!form.tap || within(tap, forces, l.counts.n_tap), "a set is beyond the forces");
     }
     ensure(ports.pair_set.is_none(), "a pass of links has a set")?;
     if form.hub != Hub::None {
-        let [a, b] = l.ends.get(first).map_or([u32::MAX; 2], |ends| *ends).map(|m| m as usize);
+        let [a, b] = l.links.ends.get(first).map_or([u32::MAX; 2], |ends| *ends).map(|m| m as usize);
         let row = if form.hub == Hub::First { b } else { a };
-        ensure(n > 0 && within(row, n, l.n_mat), "a fan of links is beyond the masses")?;
+        ensure(n > 0 && within(row, n, l.counts.n_mat), "a fan of links is beyond the masses")?;
     }
     if form.integrate != Integrate::No {
         let fits = if form.folded { folded(op, law, form, l) } else { fused(op, l) };
@@ -94,31 +94,32 @@ pub(super) fn pass(op: &Op, law: &Law, form: Form, l: &Layout, work: &mut Work) 
     }
     if form.stride > 0 {
         let second = mat.checked_add(form.stride);
-        let row = within(mat, n, l.n_mat) && second.is_some_and(|b| within(b, n, l.n_mat));
-        ensure(row && within(tap, n, l.n_tap), "a row of links is beyond the masses or forces")?;
+        let row = within(mat, n, l.counts.n_mat) && second.is_some_and(|b| within(b, n, l.counts.n_mat));
+        ensure(row && within(tap, n, l.counts.n_tap), "a row of links is beyond the masses or forces")?;
     }
-    ensure(!form.tap || within(tap, n, l.n_tap), "links are beyond the forces")
+    ensure(!form.tap || within(tap, n, l.counts.n_tap), "links are beyond the forces")
 }
 
 /// True where the forces and masses of a row that is integrated are there, one mass more than links.
 fn fused(op: &Op, l: &Layout) -> bool {
     let masses = op.n.checked_add(1);
-    let forces = op.n.checked_add(2).zip(op.tap.checked_sub(1)).is_some_and(|(n, first)| within(first, n, l.n_tap));
+    let forces =
+        op.n.checked_add(2).zip(op.tap.checked_sub(1)).is_some_and(|(n, first)| within(first, n, l.counts.n_tap));
     // from a mass to the next
-    op.form.stride == 1 && forces && masses.is_some_and(|n| within(op.mat, n, l.n_mat))
+    op.form.stride == 1 && forces && masses.is_some_and(|n| within(op.mat, n, l.counts.n_mat))
 }
 
 /// True where a row or a mesh that stands folded is whole vectors of masses, links and coefficients.
 fn folded(op: &Op, law: &Law, form: Form, l: &Layout) -> bool {
     let (n, steps) = (op.n, op.n / Fold::LANES);
-    let whole = steps >= 2 && n.is_multiple_of(Fold::LANES) && within(op.mat, n, l.n_mat) && law.mem == 0;
+    let whole = steps >= 2 && n.is_multiple_of(Fold::LANES) && within(op.mat, n, l.counts.n_mat) && law.mem == 0;
     let forces = match form.band {
         // a law without vectors runs as a row
         Band::None => return whole && (law.wide || fused(op, l)),
         Band::Across => return false,
         Band::Along(width) => {
-            let across = block(op.coef, 2 * law.coefs, n, l.n_coef) && block(op.first, 2, n, l.n_lia);
-            (2..steps).contains(&width) && across && n <= l.n_tap
+            let across = block(op.coef, 2 * law.coefs, n, l.counts.n_coef) && block(op.first, 2, n, l.counts.n_lia);
+            (2..steps).contains(&width) && across && n <= l.counts.n_tap
         }
     };
     whole && law.wide && forces
@@ -130,11 +131,11 @@ pub(super) fn account(a: &Account, l: &Layout, work: &mut Work) -> Verified {
     Batch { law, ports, n, first, coef, mem }.verify(l, work)?;
     if ports.pair_set.is_some() {
         let forces = 3usize.saturating_mul(members(&ports, l));
-        return ensure(n > 0 && within(tap, forces, l.n_tap), "an account of a set is beyond the forces");
+        return ensure(n > 0 && within(tap, forces, l.counts.n_tap), "an account of a set is beyond the forces");
     }
-    ensure(a.linear || within(tap, n, l.n_tap), "an account is beyond the forces")?;
+    ensure(a.linear || within(tap, n, l.counts.n_tap), "an account is beyond the forces")?;
     let [one, two] = a.rows;
-    let row = |row: Row| row.ends.iter().all(|end| within(*end, row.len, l.n_mat));
+    let row = |row: Row| row.ends.iter().all(|end| within(*end, row.len, l.counts.n_mat));
     let rows = one.len.checked_add(two.len).is_some_and(|all| all <= n);
     ensure(rows && row(one) && row(two), "an account has rows beyond the masses")
 }

@@ -12,7 +12,7 @@ const OF_GENERATOR: usize = 4;
 
 /// A plan of a layout; `live` counts the live coefficients of its state.
 pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
-    let coefs = plan.coefs.len() == live && each(&plan.coefs, l.n_coef);
+    let coefs = plan.coefs.len() == live && each(&plan.coefs, l.counts.n_coef);
     ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient is not there")?;
     plan.items.iter().try_for_each(|i| item(i, live, known))?;
     plan.implicit.as_ref().map_or(Ok(()), |a| implicit(a, live))

@@ -6,19 +6,20 @@ use crate::scene::{Scene, Symbols};
 
 /// The names of a scene.
 pub(super) fn scene(scene: &Scene) -> Verified {
-    let (l, probes) = (&scene.layout, scene.probe_names.len());
+    let (l, probes) = (&scene.layout, scene.names.probe_names.len());
     let inputs = [scene.initial.input.len(), scene.before.as_ref().map_or(scene.inputs.len(), |b| b.state.input.len())];
     ensure(inputs == [scene.inputs.len(); 2], "inputs and their names differ in number")?;
-    let outputs = scene.channel_names.len() == l.channels && l.channels.checked_add(probes) == Some(l.n_out);
-    ensure(outputs && scene.probe_of.len() == probes, "outputs and their names differ in number")?;
+    let outputs = scene.names.channel_names.len() == l.counts.channels
+        && l.counts.channels.checked_add(probes) == Some(l.counts.n_out);
+    ensure(outputs && scene.names.probe_of.len() == probes, "outputs and their names differ in number")?;
     ensure(scene.rate > 0.0 && scene.rate.is_finite(), "the sound rate is not above 0")?;
     symbols(&scene.symbols, scene)
 }
 
 fn symbols(symbols: &Symbols, scene: &Scene) -> Verified {
     let Symbols { runs, mats, lias } = symbols;
-    ensure(super::each(mats, scene.layout.n_mat), "a name is of a mass that is not there")?;
-    let lia = |[op, i]: &[u32; 2]| scene.forces.get(*op as usize).is_some_and(|op| (*i as usize) < op.n);
+    ensure(super::each(mats, scene.layout.counts.n_mat), "a name is of a mass that is not there")?;
+    let lia = |[op, i]: &[u32; 2]| scene.passes.forces.get(*op as usize).is_some_and(|op| (*i as usize) < op.n);
     ensure(lias.iter().all(lia), "a name is of a link that is not there")?;
     let all = mats.len().checked_add(lias.len()).and_then(|all| u32::try_from(all).ok());
     let all = all.ok_or(super::Wrong("there are more names than modules"))?;

@@ -15,26 +15,29 @@ const TICKS: u32 = 1 << 12;
 pub(super) fn scene(scene: &Scene) -> Verified {
     let l = &scene.layout;
     let mut work = Work::of(l);
-    ensure(scene.fused <= scene.forces.len(), "more passes are left to integration than there are")?;
-    for list in [&scene.reads, &scene.forces, &scene.writes] {
+    ensure(scene.passes.fused <= scene.passes.forces.len(), "more passes are left to integration than there are")?;
+    for list in [&scene.passes.reads, &scene.passes.forces, &scene.passes.writes] {
         passes(list, listed, l, &mut work)?;
     }
-    passes(&scene.moves, |form| form, l, &mut work)?;
+    passes(&scene.passes.moves, |form| form, l, &mut work)?;
     if let Some(before) = &scene.before {
         passes(&before.forces, listed, l, &mut work)?;
     }
-    if let Some(Substeps { times, tick, inputs }) = &l.substeps {
+    if let Some(Substeps { times, tick, inputs }) = &l.rates.substeps {
         ensure((1..=TICKS).contains(times), "a sample has 0 ticks, or too many")?;
         ensure(super::each(inputs, scene.inputs.len()), "a sample is given an input that is not there")?;
         passes(tick, |form| form, l, &mut work)?;
         ensure(!tick.iter().any(|op| counts(op.pass)), "a tick between samples counts samples")?;
     }
     if let Some(ledger) = &l.ledger {
-        let accounts = ledger.accounts.iter().all(|a| a.op < scene.forces.len());
+        let accounts = ledger.accounts.iter().all(|a| a.op < scene.passes.forces.len());
         ensure(accounts, "an account is of a pass that is not there")?;
     }
-    let tick = [&scene.reads[..], scene.summed(), &scene.writes, &scene.moves].into_iter().flatten();
-    let listed = scene.forces[scene.summed().len()..].iter().chain(scene.before.iter().flat_map(|b| &b.forces));
+    let tick = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves]
+        .into_iter()
+        .flatten();
+    let listed =
+        scene.passes.forces[scene.passes.summed().len()..].iter().chain(scene.before.iter().flat_map(|b| &b.forces));
     ensure(!listed.into_iter().any(|op| counts(op.pass)), "a sum of forces counts time")?;
     time(tick)
 }
@@ -67,38 +70,40 @@ fn time<'a>(tick: impl Iterator<Item = &'a Op>) -> Verified {
 fn other(op: &Op, l: &Layout) -> Verified {
     let &Op { pass, n, first, mat, coef, .. } = op;
     let all = |len: usize| n <= len;
-    let numbers = |n: usize| within(coef, n, l.n_coef);
-    let outputs = |n: usize| within(first, n, l.outputs.len());
+    let numbers = |n: usize| within(coef, n, l.counts.n_coef);
+    let outputs = |n: usize| within(first, n, l.out.outputs.len());
     let fits = match pass {
         Pass::Links => return Err(Wrong("the law of a pass of links is missing")),
-        Pass::Enx => all(l.enx.len()),
-        Pass::DevicesIn(_, late) => all(l.tgr.len()) && (!late || l.crossing.latency > 0),
-        Pass::DevicesOut(_) | Pass::LedgerOfBorder(_) | Pass::Mute => all(l.tgr.len()),
-        Pass::ModalPorts | Pass::Modes => all(l.modal.len()),
-        Pass::Points | Pass::Aim | Pass::PointsBack => all(l.moving_points.len()),
-        Pass::Enf { .. } => within(first, n, l.enf.len()),
+        Pass::Enx => all(l.ports.enx.len()),
+        Pass::DevicesIn(_, late) => all(l.ports.tgr.len()) && (!late || l.ports.crossing.latency > 0),
+        Pass::DevicesOut(_) | Pass::LedgerOfBorder(_) | Pass::Mute => all(l.ports.tgr.len()),
+        Pass::ModalPorts | Pass::Modes => all(l.places.modal.len()),
+        Pass::Points | Pass::Aim | Pass::PointsBack => all(l.places.moving_points.len()),
+        Pass::Enf { .. } => within(first, n, l.ports.enf.len()),
         Pass::Weight => all(l.weighed.len()) && numbers(n),
         Pass::ImplicitPairs | Pass::Positions => numbers(0),
-        Pass::ModesAhead | Pass::ModesAgain => all(l.solved_modal.len()),
+        Pass::ModesAhead | Pass::ModesAgain => all(l.places.solved_modal.len()),
         // a state without contacts does not keep the pushes on masses
-        Pass::Contacts { modes: true } => l.n_touch > 0 || (l.modal_couplings.is_empty() && l.solved_modal.is_empty()),
-        Pass::Group { compensated } | Pass::GroupOut { compensated } => {
-            l.slow.as_ref().is_none_or(|group| group.compensated == compensated)
+        Pass::Contacts { modes: true } => {
+            l.counts.n_touch > 0 || (l.places.modal_couplings.is_empty() && l.places.solved_modal.is_empty())
         }
-        Pass::HeardLinks => all(l.heard.len()),
-        Pass::Outputs => all(l.outputs.len()) && numbers(n),
+        Pass::Group { compensated } | Pass::GroupOut { compensated } => {
+            l.rates.slow.as_ref().is_none_or(|group| group.compensated == compensated)
+        }
+        Pass::HeardLinks => all(l.out.heard.len()),
+        Pass::Outputs => all(l.out.outputs.len()) && numbers(n),
         Pass::ManyOutputs => {
-            let of_rows: u64 = l.output_rows.iter().map(|row| u64::from(row.n)).sum();
-            all(l.outputs.len()) && numbers(n) && of_rows <= n as u64
+            let of_rows: u64 = l.out.output_rows.iter().map(|row| u64::from(row.n)).sum();
+            all(l.out.outputs.len()) && numbers(n) && of_rows <= n as u64
         }
         Pass::Motions => outputs(n) && numbers(0),
-        Pass::HighPass | Pass::HighPassOfMotion => all(l.blockers.len()) && outputs(0) && numbers(n),
-        Pass::LowPass | Pass::Remember => all(l.channels),
-        Pass::IntegrateFree | Pass::IntegrateFull => within(mat, n, l.n_mat),
-        Pass::Flush => all(l.n_mat),
-        Pass::Drift => all(l.n_mat) && first < DRIFTS.len(),
-        Pass::Kick { .. } => all(l.n_mat) && first < KICKS.len(),
-        Pass::Inputs => l.substeps.as_ref().is_none_or(|substeps| all(substeps.inputs.len())),
+        Pass::HighPass | Pass::HighPassOfMotion => all(l.out.blockers.len()) && outputs(0) && numbers(n),
+        Pass::LowPass | Pass::Remember => all(l.counts.channels),
+        Pass::IntegrateFree | Pass::IntegrateFull => within(mat, n, l.counts.n_mat),
+        Pass::Flush => all(l.counts.n_mat),
+        Pass::Drift => all(l.counts.n_mat) && first < DRIFTS.len(),
+        Pass::Kick { .. } => all(l.counts.n_mat) && first < KICKS.len(),
+        Pass::Inputs => l.rates.substeps.as_ref().is_none_or(|substeps| all(substeps.inputs.len())),
         Pass::Driven
         | Pass::Ledger
         | Pass::Changes

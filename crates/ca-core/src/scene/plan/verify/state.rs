@@ -6,37 +6,37 @@ use crate::op::layout::Layout;
 
 /// A state of a layout that has been verified.
 pub(in super::super) fn state(s: &StateRecord, l: &Layout) -> Verified {
-    let glide = l.substeps.as_ref().map_or(0, |substeps| substeps.inputs.len());
-    let late = l.tgr.len().checked_mul(l.crossing.latency as usize);
-    let taps = (2 * l.lowpass.len()).saturating_sub(1);
-    let past = taps.checked_mul(2).and_then(|n| n.checked_mul(l.channels));
+    let glide = l.rates.substeps.as_ref().map_or(0, |substeps| substeps.inputs.len());
+    let late = l.ports.tgr.len().checked_mul(l.ports.crossing.latency as usize);
+    let taps = (2 * l.out.lowpass.len()).saturating_sub(1);
+    let past = taps.checked_mul(2).and_then(|n| n.checked_mul(l.counts.channels));
     let implicit = l.implicit.as_ref().map_or(0, |a| 2 * a.places.len());
     let lengths = [
-        (s.x.len(), l.n_mat),
-        (s.d.len(), l.n_mat),
-        (s.f.len(), l.n_mat),
-        (s.coef.len(), l.n_coef),
-        (s.mem.len(), l.n_mem),
-        (s.lengths.len(), l.reach.len()),
-        (s.tap.len(), l.n_tap),
+        (s.x.len(), l.counts.n_mat),
+        (s.d.len(), l.counts.n_mat),
+        (s.f.len(), l.counts.n_mat),
+        (s.coef.len(), l.counts.n_coef),
+        (s.mem.len(), l.counts.n_mem),
+        (s.lengths.len(), l.links.reach.len()),
+        (s.tap.len(), l.counts.n_tap),
         (s.last_input.len(), s.input.len()),
-        (s.output.len(), l.n_out),
-        (s.cells.len(), l.moving_points.len()),
-        (s.border.len(), l.tgr.len()),
-        (s.blocked.len(), l.blockers.len()),
+        (s.output.len(), l.counts.n_out),
+        (s.cells.len(), l.places.moving_points.len()),
+        (s.border.len(), l.ports.tgr.len()),
+        (s.blocked.len(), l.out.blockers.len()),
         (s.glide.len(), glide),
         (s.implicit.len(), implicit),
     ];
     let counted = lengths.iter().all(|(is, by_layout)| is == by_layout);
     let rings = late == Some(s.late.len()) && past == Some(s.lowpass.len());
     ensure(counted && rings, "the state has another shape than its layout")?;
-    let cells = s.cells.iter().all(|cell| cell.n <= cell.node.len() && each(&cell.node, l.n_mat));
+    let cells = s.cells.iter().all(|cell| cell.n <= cell.node.len() && each(&cell.node, l.counts.n_mat));
     ensure(cells, "a moving point stands beyond the masses")?;
-    ensure(each(s.live.iter(), l.n_coef), "a live coefficient is not there")?;
+    ensure(each(s.live.iter(), l.counts.n_coef), "a live coefficient is not there")?;
     let [slots, coefs] = &s.written;
     ensure(
-        each(slots.iter(), l.n_mat) && each(coefs.iter(), l.n_coef),
+        each(slots.iter(), l.counts.n_mat) && each(coefs.iter(), l.counts.n_coef),
         "the order of the document is beyond the state",
     )?;
-    ensure(s.kick.as_ref().is_none_or(|kick| kick.len() <= l.n_mat), "the start pushes what is not there")
+    ensure(s.kick.as_ref().is_none_or(|kick| kick.len() <= l.counts.n_mat), "the start pushes what is not there")
 }

@@ -1,0 +1,14 @@
+//! The modules of this crate for the compiler, the engine, the views and the tests of this workspace. No promise is made about
+//! anything here: a program uses the names at the root of the crate.
+
+macro_rules! modules {
+    ($($module:ident)*) => {
+        $(
+            #[allow(missing_docs, reason = "the module has its own text")]
+            pub mod $module {
+                pub use crate::$module::*;
+            }
+        )*
+    };
+}
+modules! { border io kind law live mat method numeric op phi scene state tuning }
