@@ -3,7 +3,7 @@
 #![allow(missing_docs)]
 
 use ca_benches::scene;
-use ca_core::op::Op;
+use ca_core::internal::op::Op;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write as _;
 

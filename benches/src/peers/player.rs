@@ -3,7 +3,7 @@
 use super::net::Net;
 use super::write;
 use ca_accuracy::timing::processor;
-use cordis_anima::ca_core::scene::Location;
+use cordis_anima::ca_core::Location;
 use cordis_anima::{Loaded, Options, Scene, State, process};
 use std::io::{BufRead as _, BufReader, Error, Write as _};
 use std::path::Path;

@@ -18,9 +18,7 @@ pub mod timing;
 pub use single::bound as single;
 
 use ca_compile::Options;
-use ca_core::Scene;
-use ca_core::scene::certificate::Level;
-use ca_core::state::Balance;
+use ca_core::{Balance, Level, Scene};
 use ca_lab::Failure;
 use ca_lab::load::{self, Loaded};
 use ca_model::Model;

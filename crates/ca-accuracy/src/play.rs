@@ -1,9 +1,7 @@
 //! A scene played in memory: what its probes read at the samples of the model's own rate, and the time it took.
 
 use super::Steps;
-use ca_core::Scene;
-use ca_core::numeric::Real;
-use ca_core::state::Balance;
+use ca_core::{Balance, Real, Scene};
 use ca_io::perform::Performance;
 use ca_io::play::{BLOCK, play};
 use ca_io::player::Player;

@@ -9,7 +9,7 @@
 use crate::bench;
 use crate::timing::Timing;
 use ca_compile::cost;
-use ca_core::op::{Band, Hub, Integrate, MeasureKind, Op};
+use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind, Op};
 use ca_core::{Scene, State, tick};
 use ca_io::perform::Performance;
 use ca_lab::Failure;
@@ -79,7 +79,13 @@ pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
         .map(|(stage, op)| {
             let ns = fastest(&state, |s| one(&op, scene, s, state.tick));
-            PassRow { stage, op, modules: scene.modules(&op), ns, instructions: cost::of_pass(scene, &op) }
+            PassRow {
+                stage,
+                op,
+                modules: ca_core::internal::scene::modules(scene, &op),
+                ns,
+                instructions: cost::of_pass(scene, &op),
+            }
         })
         .collect();
     // what is done once a frame is not what most ticks do

@@ -6,9 +6,7 @@
 use super::Steps;
 use super::play::{Columns, Kept, known};
 use ca_compile::Options;
-use ca_core::Scene;
-use ca_core::numeric::Precision;
-use ca_core::scene::Unbound;
+use ca_core::{Precision, Scene, Unbound};
 use ca_io::perform::Performance;
 use ca_io::play::BLOCK;
 use ca_io::player::Player;

@@ -7,7 +7,7 @@
 
 use super::verdict::Words;
 use ca_compile::Options;
-use ca_core::kind::{Need, Param, Type};
+use ca_core::{Need, Param, Type};
 use ca_lab::{Failure, catalog, load};
 use ca_model::part::instances;
 use ca_model::quantity::{self, Plain, six, unit_of};

@@ -4,9 +4,7 @@ use crate::coupling;
 use crate::engine::Setup;
 use crate::frame::About;
 use crate::profile::Profile;
-use ca_core::Scene;
-use ca_core::kind::Unit;
-use ca_core::scene::Input;
+use ca_core::{Input, Scene, Unit};
 use ca_model::quantity::{show, six};
 
 /// A device without a profile, which describes itself.

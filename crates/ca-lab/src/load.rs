@@ -6,7 +6,7 @@
 use crate::Failure;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
-use ca_core::kind::cloud::Unread;
+use ca_core::internal::kind::cloud::Unread;
 pub use ca_io::error::reason;
 use ca_model::diag::{Diags, Severity};
 use ca_model::part::instances;

@@ -1,7 +1,6 @@
 //! The language of models, for sessions.
 
-use ca_core::Scene;
-use ca_core::live::LiveParam;
+use ca_core::{LiveParam, Scene};
 use ca_lab::facts::certificate;
 use ca_model::{quantity, suggest};
 use ca_session::Language;

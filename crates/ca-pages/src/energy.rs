@@ -4,8 +4,7 @@
 //! the rest, and the one curve that tests the engine. Of a model that diverged the ledger is shown as long as its energy
 //! is of the size of what the model was given: what comes then measures the divergence.
 
-use ca_core::Scene;
-use ca_core::state::{Balance, Ledger};
+use ca_core::{Balance, Ledger, Scene};
 use ca_lab::facts::energy::{grows, joule, makers};
 use ca_lab::play::relative;
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};

@@ -228,8 +228,7 @@ const DRAWN: [(&str, &str, &str); 4] = [
 
 /// Which of these a probe is: of an output what it hears.
 fn drawn(items: &[Item], scene: &Scene, name: &str) -> usize {
-    let is_link =
-        |s: &ca_core::scene::Symbol| s.name == name && matches!(s.location, ca_core::scene::Location::Lia(..));
+    let is_link = |s: &ca_core::Symbol| s.name == name && matches!(s.location, ca_core::Location::Lia(..));
     let item = items.iter().find(|i| i.name == name);
     let hears = item.and_then(|i| i.args.iter().find(|e| e.key == "hear")).map(|e| &e.value);
     match hears {

@@ -7,7 +7,7 @@ use crate::measure;
 use crate::scene::Scene;
 use crate::wait::apart;
 use ca_compile::Options;
-use ca_core::kind::Role;
+use ca_core::Role;
 use ca_lab::bytes;
 use ca_lab::load::{self, BUNDLED, Loaded};
 use ca_model::diag::Severity;

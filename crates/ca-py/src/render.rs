@@ -5,7 +5,7 @@ use crate::gesture::Gesture;
 use crate::measure::{energy, table};
 use crate::scene::Scene;
 use crate::wait::{Wanted, apart};
-use ca_core::state::Ledger;
+use ca_core::Ledger;
 use ca_io::FileError;
 use ca_io::perform::Performance;
 use ca_io::sound::Level;

@@ -193,7 +193,7 @@ impl Sim {
         let done = self.with(py, |r| {
             let patch = r.controls.set(name, value)?;
             r.player.state.apply(&patch, ticks);
-            Ok::<(), ca_core::live::Refused>(())
+            Ok::<(), ca_core::Refused>(())
         });
         done.map_err(|e| failure(py, Failure::Usage(e.to_string())))
     }

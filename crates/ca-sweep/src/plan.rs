@@ -19,7 +19,7 @@
 
 use super::{Audio, Axis, MOST, Sweep, SweepSpec, counted, folder, measured_so, varied};
 use ca_compile::Options;
-use ca_core::kind::{ABOVE_ZERO, Unit};
+use ca_core::{ABOVE_ZERO, Unit};
 use ca_lab::load::{self, stem};
 use ca_lab::{Failure, Found};
 use ca_model::diag::Diags;

@@ -4,8 +4,8 @@
 //! scale of the equivalence. What crossed at a key of another scale is first made joules of the model there. Links are
 //! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
 
-use ca_core::state::Ledger;
-use ca_core::{Scene, equivalence::Gains};
+use ca_core::equivalence::Gains;
+use ca_core::{Ledger, Scene};
 use ca_haptic::engine::{Engine, Port};
 
 /// The rows \[J\], and what they do not explain.

@@ -9,9 +9,8 @@
 //! largest: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
 //! of the device cannot be played: that is a fault too.
 
-use ca_core::Scene;
 use ca_core::equivalence::Gains;
-use ca_core::kind::Unit;
+use ca_core::{Scene, Unit};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::coupling::{self, Held, Needed, Presented};
 use ca_haptic::engine::Setup;

@@ -1,7 +1,6 @@
 //! The devices that a scene names, and their ports.
 
-use ca_core::Scene;
-use ca_core::scene::{Input, InputRole};
+use ca_core::{Input, InputRole, Scene};
 use ca_haptic::frame::DOF;
 
 /// The devices a scene names, in order.

@@ -5,9 +5,7 @@
 
 use crate::{devices, dofs};
 use ca_compile::Options;
-use ca_core::Scene;
-use ca_core::live::Controls;
-use ca_core::scene::InputRole;
+use ca_core::{Controls, InputRole, Scene};
 use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{self, Change, Engine, EngineCommand, Port, Setup};
 use ca_haptic::equivalence;

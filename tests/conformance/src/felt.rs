@@ -7,11 +7,8 @@
 //! Equation: n = d − e (sense "outside"), L = k n + q max(n − b, 0), m = largest n since touch;
 //! F = −L (r + (1 − r) n/m) + z w while n > 0, with `z` while closing and `zo` while opening.
 
-use ca_core::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
-use ca_core::law::{Bound, Phi};
-use ca_core::numeric::{Real, Table};
-use ca_core::op::Law;
-use ca_core::phi::{ALONG, BETWEEN, PAIRS};
+use ca_core::internal::phi::{ALONG, PAIRS};
+use ca_core::{ANY, BETWEEN, Bound, Kind, Law, Need, POSITIVE, Param, Phi, Real, Role, Table, Type, Unit};
 
 /// Its record.
 pub static KIND: Kind = Kind {

@@ -5,7 +5,7 @@
 //! sums only, so that every machine plays the same starts.
 
 use crate::play::{Random, mat, scene};
-use ca_core::scene::growth::{Growth, MEASURED, SECONDS, STARTS, TIMES};
+use ca_core::internal::scene::growth::{Growth, MEASURED, SECONDS, STARTS, TIMES};
 use ca_core::tick;
 use ca_tests::long_form::long_form;
 

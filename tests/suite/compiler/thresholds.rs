@@ -3,7 +3,7 @@
 
 use ca_compile::{Options, compile};
 use ca_conformance::drawn::catalog;
-use ca_core::kind::{Kind, Role, Type, Unit};
+use ca_core::{Kind, Role, Type, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Value, read};
 use std::f64::consts::PI;

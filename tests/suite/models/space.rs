@@ -5,8 +5,7 @@ use super::closed_forms::eigenvalues;
 use super::heard::{Heard, blows, by_hand, load, perform, play, scene};
 use super::plates::share;
 use crate::acoustics::{cents, db, mode, partial, peak, rms};
-use ca_core::Scene;
-use ca_core::scene::Location;
+use ca_core::{Location, Scene};
 use ca_io::gesture::{Gesture, Track};
 use ca_model::Model;
 

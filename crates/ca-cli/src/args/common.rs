@@ -1,7 +1,7 @@
 //! Options that several commands have, and the forms of their values.
 
 use super::completions;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_model::quantity;
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCompleter;

@@ -3,7 +3,7 @@
 use super::common::{pair, quantity_of};
 use super::completions;
 use super::equiv::WriteTo;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;

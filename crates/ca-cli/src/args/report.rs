@@ -2,7 +2,7 @@
 
 use super::common::quantity_of;
 use super::{Playing, Source};
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use clap::Args;
 use std::path::PathBuf;
 

@@ -3,7 +3,7 @@
 use super::common::quantity_of;
 use super::completions;
 use super::equiv::WriteTo;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCompleter;
 

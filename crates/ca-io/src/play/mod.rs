@@ -8,7 +8,7 @@ pub mod perform;
 pub mod player;
 pub mod running;
 
-use ca_core::state::Ledger;
+use ca_core::Ledger;
 use length::Length;
 use perform::{DIVERGED, Performance};
 use std::time::{Duration, Instant};
@@ -46,7 +46,7 @@ pub fn play<'a, E>(
     heard: &mut Sink<E>,
 ) -> Result<Played<'a>, E> {
     let mut length = length.into();
-    let n_out = p.scene.n_out;
+    let n_out = p.scene.counts.n_out;
     let mut rows = Vec::with_capacity(block as usize * n_out);
     let mut last_good: Option<(Ledger, u64)> = None;
     let begin = Instant::now();
@@ -65,7 +65,7 @@ pub fn play<'a, E>(
         }
         done += block;
         heard(&p, &rows, done)?;
-        if !length.hear(&rows, n_out, p.scene.channels) {
+        if !length.hear(&rows, n_out, p.scene.counts.channels) {
             break;
         }
     }

@@ -9,10 +9,9 @@ use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track, own};
 pub use crate::play::player::DIVERGED;
 use crate::play::player::Player;
-use ca_core::border::frame_due;
-use ca_core::live::{Controls, LiveParam, Patch};
-use ca_core::numeric::Plain;
-use ca_core::scene::{InputRole, Scene};
+use ca_core::internal::border::frame_due;
+use ca_core::internal::numeric::Plain;
+use ca_core::{Controls, InputRole, LiveParam, Patch, Scene, State};
 use std::ops::{Deref, DerefMut};
 
 /// Seconds of silence after a gesture, and the least of everything.
@@ -229,7 +228,7 @@ impl<'a> Performance<'a> {
         }
         for _ in 0..n {
             self.tick();
-            rows.extend_from_slice(&self.player.state.output[..self.scene.n_out]);
+            rows.extend_from_slice(&self.player.state.output[..self.scene.counts.n_out]);
         }
     }
 
@@ -261,9 +260,7 @@ impl<'a> Performance<'a> {
             if let Ok(mut audited) = Performance::new(scene, gesture) {
                 // up to the first tick out of range: what is entered after that says nothing of the cause
                 audited.until(self.state.tick + 64, 1);
-                if let Some((link, made)) =
-                    audited.state.ledger.as_deref().and_then(ca_core::state::Ledger::largest_error)
-                {
+                if let Some((link, made)) = audited.state.ledger.as_deref().and_then(ca_core::Ledger::largest_error) {
                     if let Some(name) = scene.audited_name(link) {
                         return (name.into_owned(), format!("it made {made:.3e} J"));
                     }

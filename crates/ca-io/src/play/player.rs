@@ -3,8 +3,7 @@
 //! Loops over a scene step this: by halves or ticks where a caller reads or writes between them, by blocks where nothing interacts.
 //! All of these give the same bits.
 
-use ca_core::numeric::Real;
-use ca_core::{Scene, State, compute_forces, integrate, process};
+use ca_core::{Real, Scene, State, compute_forces, integrate, process};
 
 /// A scene has diverged beyond this displacement \[m\]. Far above any scale models are written in (1e-9 to 1e9), far below overflow.
 pub const DIVERGED: f64 = 1e15;
@@ -59,8 +58,8 @@ impl<R: Real> Player<R> {
             // nothing is to be done between two looks at the state
             let run = left.min(LOOK - self.state.tick % LOOK);
             let first = rows.len();
-            rows.resize(first + run as usize * scene.n_out, R::Outer::of(0.0));
-            if scene.n_out > 0 && !self.diverged {
+            rows.resize(first + run as usize * scene.counts.n_out, R::Outer::of(0.0));
+            if scene.counts.n_out > 0 && !self.diverged {
                 let played = process(scene, &mut self.state, &mut rows[first..]);
                 debug_assert!(played, "the state is of this scene, and rows are whole");
                 self.look();

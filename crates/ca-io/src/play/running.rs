@@ -6,9 +6,8 @@
 
 use crate::play::player::Player;
 use crate::sound::Level;
-use ca_core::Scene;
-use ca_core::live::Controls;
-use ca_core::state::{NotRestored, checksum};
+use ca_core::internal::state::checksum;
+use ca_core::{Controls, NotRestored, Scene};
 
 /// Where the force on a port stands.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +36,9 @@ impl Running {
     /// At the beginning.
     pub fn new(scene: &Scene) -> Running {
         let mut forces = vec![PortForce::None; scene.inputs.len()];
-        scene.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
-        scene.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
-        let level = Level::new(scene.channels);
+        scene.ports.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
+        scene.ports.tgr.iter().enumerate().for_each(|(k, p)| forces[p.input as usize] = PortForce::Border(k));
+        let level = Level::new(scene.counts.channels);
         Running { player: Player::new(scene.state()), controls: scene.controls(), level, forces }
     }
 
@@ -53,7 +52,7 @@ impl Running {
     pub fn force(&self, input: usize) -> f64 {
         let force = match self.forces.get(input) {
             Some(PortForce::Mat(m)) => self.player.state.f[*m],
-            Some(PortForce::Border(k)) => self.player.state.border[*k].force,
+            Some(PortForce::Border(k)) => self.player.state.ports.border[*k].force,
             _ => 0.0,
         };
         if self.player.diverged || !force.is_finite() { 0.0 } else { force }

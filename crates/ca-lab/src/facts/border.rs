@@ -2,13 +2,12 @@
 //!
 //! The model settles all of it; the loop of a device and the buffers of a sound card come on top.
 
-use ca_core::Scene;
-use ca_core::border::delays;
 use ca_core::equivalence::Scale;
-use ca_core::kind::Unit;
-use ca_core::op::layout::{Enx, Shape};
-use ca_core::scene::certificate::Key;
-use ca_core::state::{Exchange, Ledger};
+use ca_core::internal::border::delays;
+use ca_core::internal::op::layout::{Enx, Shape};
+use ca_core::internal::scene::certificate::Key;
+use ca_core::internal::state::Exchange;
+use ca_core::{Ledger, Scene, Unit};
 use ca_model::quantity::{short, show, six};
 
 fn ms(seconds: f64) -> String {

@@ -1,9 +1,8 @@
 //! The proof of stability of a scene in words.
 
 use crate::load::ticked;
-use ca_core::kind::Unit;
-use ca_core::scene::certificate::Certificate;
-use ca_core::scene::growth::Growth;
+use ca_core::internal::scene::growth::Growth;
+use ca_core::{Certificate, Unit};
 use ca_model::quantity::{rounded, short, show};
 
 /// Modules that are named in a line.

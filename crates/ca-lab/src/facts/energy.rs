@@ -1,8 +1,6 @@
 //! The energy ledger of a scene in words.
 
-use ca_core::Scene;
-use ca_core::scene::certificate::Level;
-use ca_core::state::Ledger;
+use ca_core::{Ledger, Level, Scene};
 use ca_model::quantity::short;
 
 /// An energy to three digits.

@@ -4,8 +4,7 @@ use crate::quantity::show;
 use alloc::format;
 use alloc::string::{String, ToString as _};
 use alloc::vec::Vec;
-use ca_core::SOURCES;
-use ca_core::kind::{Dim, Kind, Need, Param, Type, Unit};
+use ca_core::{Dim, Kind, Need, Param, SOURCES, Type, Unit};
 use core::fmt::Write as _;
 use serde_json::{Value as Json, json};
 

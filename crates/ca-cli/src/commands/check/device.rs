@@ -2,7 +2,7 @@
 
 use crate::load::ticked;
 use crate::outcome::Failure;
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_lab::facts::border::quantity;
 use ca_model::quantity::{short, show, six};
 use ca_take::demands::{DeviceDemands, newton};

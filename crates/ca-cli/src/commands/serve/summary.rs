@@ -1,6 +1,6 @@
 //! What is reported at the end of a performance.
 
-use ca_core::kind::Unit;
+use ca_core::Unit;
 use ca_haptic::stats::Percentiles;
 use ca_live::Report;
 use ca_model::quantity::short;

@@ -7,7 +7,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
-use ca_core::scene::certificate::Level;
+use ca_core::Level;
 use ca_fit::tune::{PitchTarget, Tuned, tune};
 use ca_model::{Model, Value, quantity};
 use pitch::pitch;

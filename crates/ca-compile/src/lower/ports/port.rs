@@ -14,7 +14,7 @@ use ca_model::diag::Diag;
 use ca_model::{Item, Value};
 
 /// Makes the inputs of a port; outputs are wired later.
-pub(super) fn port(
+pub(in crate::lower) fn port(
     role: PortRole,
     item: &NetItem,
     source: &Item,
