@@ -66,7 +66,7 @@ pub fn scene(text: &str) -> Scene {
 
 /// The place of the MAT `name` in the state.
 pub fn mat(scene: &Scene, name: &str) -> usize {
-    (0..scene.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
+    (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
 }
 
 /// Compiles a model with one class of kernels.

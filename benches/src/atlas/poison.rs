@@ -104,7 +104,7 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
 pub fn changes() -> Door {
     let mut door = Door::default();
     let scene = crate::scene(LIVE);
-    let mut controls = Controls::new(&scene.live, scene.sample_dt);
+    let mut controls = Controls::new(&scene.live, scene.rates.sample_dt);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {
         door.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));

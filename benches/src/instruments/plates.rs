@@ -196,6 +196,8 @@ pub static ALL: &[Instrument] = &[
         ],
         remark: "The wires rattle and stop within 0.4 s; a stroke at the edge is only some 50 Hz brighter than one in the middle, and 11 by 11 \
                  masses give the skin few modes.",
+        // up, the strainer presses with 2.8 N
+        stroke: Stroke { clear: 0.3, ..Stroke::DEFAULT },
         ..Instrument::new("snare")
     },
     Instrument {

@@ -157,17 +157,17 @@ impl Plays {
         let p = Performance::new(&scene, gesture.as_ref()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let seconds = perform::seconds(&p, (take.seconds > 0.0).then_some(take.seconds));
         let frames = perform::frames(&scene, seconds) as usize;
-        let mut out = vec![Vec::with_capacity(frames); scene.n_out];
+        let mut out = vec![Vec::with_capacity(frames); scene.counts.n_out];
         let Ok(played) = play(p, frames as u64, BLOCK, &mut |_, rows, _| {
-            for row in rows.chunks_exact(scene.n_out.max(1)) {
+            for row in rows.chunks_exact(scene.counts.n_out.max(1)) {
                 out.iter_mut().zip(row).for_each(|(o, v)| o.push(*v));
             }
             Ok::<(), Infallible>(())
         });
         let wall = played.wall.as_secs_f64();
         assert!(played.diverged_at.is_none() && out.iter().flatten().all(|v| v.is_finite()), "{name} diverges");
-        let probed = out.split_off(scene.channels);
-        let probe = scene.probe_names.iter().cloned().zip(probed).collect();
+        let probed = out.split_off(scene.counts.channels);
+        let probe = scene.names.probe_names.iter().cloned().zip(probed).collect();
         Render { rate: scene.rate, sound: out, probe, modules: [scene.mats(), scene.lias()], wall }
     }
 

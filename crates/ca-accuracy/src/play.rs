@@ -46,7 +46,7 @@ pub fn known<R: Real>(player: &Player<R>) -> u64 {
 
 /// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. Samples out of range are NaN.
 pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
-    let kept = Kept { channels: scene.channels, n_out: scene.n_out, times };
+    let kept = Kept { channels: scene.counts.channels, n_out: scene.counts.n_out, times };
     let mut all = kept.columns(frames);
     let p = Performance::new(scene, None)?;
     let played = play(p, frames as u64 * u64::from(times), BLOCK, &mut |p, rows, done| {

@@ -72,8 +72,12 @@ pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
             state = p.player.state;
         }
     }
-    let stages =
-        [("reads", &scene.reads[..]), ("forces", scene.summed()), ("writes", &scene.writes), ("moves", &scene.moves)];
+    let stages = [
+        ("reads", &scene.passes.reads[..]),
+        ("forces", scene.passes.summed()),
+        ("writes", &scene.passes.writes),
+        ("moves", &scene.passes.moves),
+    ];
     let mut rows: Vec<PassRow> = stages
         .into_iter()
         .flat_map(|(stage, ops)| ops.iter().map(move |op| (stage, *op)))
@@ -89,8 +93,8 @@ pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
         })
         .collect();
     // what is done once a frame is not what most ticks do
-    let frame = f64::from(scene.frame);
-    let step = rows.iter_mut().find(|r| r.op.name == GROUP).map(|r| {
+    let frame = f64::from(scene.rates.frame);
+    let step = rows.iter_mut().find(|r| r.op.name() == GROUP).map(|r| {
         let first = fastest(&state, |s| one(&r.op, scene, s, FIRST));
         let others = fastest(&state, |s| one(&r.op, scene, s, FIRST + 1));
         r.ns = (first + (frame - 1.0) * others) / frame;
@@ -147,7 +151,7 @@ pub fn form(op: &Op) -> String {
 
 /// Number of pairs, for a pass that joins all pairs of two sets as one module.
 pub fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
-    op.ports.pair_set.map(|c| scene.pair_sets[c].pairs())
+    op.ports.pair_set.map(|c| scene.links.pair_sets[c].pairs())
 }
 
 /// Passes that a scene may have, and this one does not need.
@@ -156,7 +160,10 @@ pub fn absent(scene: &Scene) -> Vec<&'static str> {
     let is =
         |own: &str, name: &str| own.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with(" of "));
     let any = |name: &str| {
-        [&scene.reads, &scene.forces, &scene.writes, &scene.moves].into_iter().flatten().any(|o| is(o.name, name))
+        [&scene.passes.reads, &scene.passes.forces, &scene.passes.writes, &scene.passes.moves]
+            .into_iter()
+            .flatten()
+            .any(|o| is(o.name(), name))
     };
     let space = scene.symbols.iter().any(|s| s.axes > 1);
     let absent = [

@@ -58,7 +58,7 @@ pub fn columns(
         Performance::new(double, None)?.given(&mut given);
     }
     let mut player = Player::new(scene.state());
-    let kept = Kept { channels: scene.channels, n_out: scene.n_out, times };
+    let kept = Kept { channels: scene.counts.channels, n_out: scene.counts.n_out, times };
     let (mut all, mut rows) = (kept.columns(frames), Vec::new());
     let begin = Instant::now();
     for first in (0..ticks).step_by(BLOCK as usize) {
@@ -70,7 +70,7 @@ pub fn columns(
         for input in given[first as usize * n..][..run as usize * n].chunks_exact(n.max(1)) {
             player.state.input.copy_from_slice(input);
             player.tick(scene);
-            rows.extend_from_slice(&player.state.output[..scene.n_out]);
+            rows.extend_from_slice(&player.state.output[..scene.counts.n_out]);
         }
         kept.keep(&mut all, &rows, first + run, known(&player));
         steps.look()?;

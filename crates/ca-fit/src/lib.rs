@@ -195,7 +195,7 @@ pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Resu
     }
     let options = Options { rate: Some(recording.rate), clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = loaded.compile(&options)?;
-    if scene.channels == 0 {
+    if scene.counts.channels == 0 {
         return Err(Failure::Failed("the model has no output to compare; add a `[SOX]`".into()));
     }
     let target = Target::of(recording, scene.counts.channels, ask.seconds)?;

@@ -14,6 +14,7 @@ use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
+use ca_core::internal::scene;
 use ca_core::{Catalog, Dual, Precision, Scene, State, TANGENTS};
 use ca_io::gesture::Gesture;
 use ca_io::player::Player;

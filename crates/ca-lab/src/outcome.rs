@@ -49,7 +49,7 @@ impl Outcome {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
-        let outcome = Outcome::heard(level, played.performance.state.refused, scene.n_out > 0);
+        let outcome = Outcome::heard(level, played.performance.state.ports.refused, scene.counts.n_out > 0);
         match played.energy.as_ref().and_then(|ledger| gained(&ledger.balance())) {
             Some(message) if outcome.status == "ok" => Outcome { status: "gained", message, failed: None },
             _ => outcome,

@@ -100,12 +100,12 @@ impl Output {
         thread: (BufferLimits, RtRequest),
     ) -> Result<(), Failure> {
         let Some(path) = path else { return Ok(()) };
-        if scene.channels == 0 {
+        if scene.counts.channels == 0 {
             return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into()));
         }
         check_wav_path(path)?;
-        let out = WavOut::create(path, scene.rate, scene.channels, Format::F32)?;
-        self.sound = Some(self.aside("ca sound", WavSink::new(out, scene.channels), thread)?);
+        let out = WavOut::create(path, scene.rate, scene.counts.channels, Format::F32)?;
+        self.sound = Some(self.aside("ca sound", WavSink::new(out, scene.counts.channels), thread)?);
         Ok(())
     }
 

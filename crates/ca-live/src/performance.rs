@@ -93,7 +93,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let waits = names.is_empty() && request.page.is_none();
     let mut output = Output::open(listener, waits, capacity)?;
     output.sound(request.files.sound.as_deref(), &scene, (capacity, busy))?;
-    if request.sound.device.is_some() && scene.channels == 0 {
+    if request.sound.device.is_some() && scene.counts.channels == 0 {
         return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
     }
     let header = || {
@@ -137,19 +137,19 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
         Pace::Monotonic => Clock::Audio,
         Pace::Device => Clock::Device { patience: PATIENCE },
     };
-    let frame_rate = scene.rate / f64::from(scene.ratio);
+    let frame_rate = scene.rate / f64::from(scene.rates.ratio);
     let each = |a_second: f64, wanted: bool| if wanted { (frame_rate / a_second).max(1.0) as u64 } else { 0 };
     let every = RecordIntervals {
         energy: each(100.0, request.energy),
         view: each(f64::from(PICTURES), looks),
         // of a large state it would take longer than a frame has
-        hash: each(1.0, looks && scene.n_mat <= HASHED),
+        hash: each(1.0, looks && scene.counts.n_mat <= HASHED),
     };
     let frames = request.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     sound.start().map_err(|e| Failure::Failed(e.to_string()))?;
     let mut parts = Parts { recorder, connections, inputs, sound, desk, asked: request.asked, shared };
-    parts.say_sound(scene.channels);
+    parts.say_sound(scene.counts.channels);
     let (engine, granted) = engine_thread(live, thread(request.thread, 0), frames)?;
     output.begun();
     if let Some(desk) = &parts.desk {

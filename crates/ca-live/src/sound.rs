@@ -30,7 +30,7 @@ pub(crate) fn open(
     let midi = page || !port_maps(scene).is_empty();
     let wants = AudioRequest { scene: scene.clone(), buffer: request.sound.buffer, midi, thread };
     let found = first(request, &wants, listener)?;
-    let open = scene.channels > 0 && request.devices.pace == Pace::Monotonic;
+    let open = scene.counts.channels > 0 && request.devices.pace == Pace::Monotonic;
     let (switch, outlet) = Switch::new(wants, found, SwitchOptions { page, open, devices: page || named }, recorder);
     Ok((switch, (open || named).then_some(outlet)))
 }
@@ -50,7 +50,7 @@ fn first(
             let opened = ca_audio::open(name, wants).map_err(|e| Failure::Failed(format!("--audio {name}: {e}")))?;
             Ok(Some((name.into(), opened)))
         }
-        None if page && wants.scene.channels > 0 && request.devices.pace == Pace::Monotonic => {
+        None if page && wants.scene.counts.channels > 0 && request.devices.pace == Pace::Monotonic => {
             Ok(ca_audio::first(wants, |why| listener.note(&why)).map(|(name, opened)| (name.to_owned(), opened)))
         }
         None => Ok(None),

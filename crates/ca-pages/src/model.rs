@@ -115,20 +115,20 @@ impl<'a> ModelPage<'a> {
             (play::seconds(&performance, options.seconds), Length::of(&performance, options.seconds));
         let frames = length.frames;
 
-        let mut sound = Sound::new(scene.rate, &scene.channel_names);
-        let mut motion = Envelope::new(scene.rate, scene.n_out - scene.channels);
+        let mut sound = Sound::new(scene.rate, &scene.names.channel_names);
+        let mut motion = Envelope::new(scene.rate, scene.counts.n_out - scene.counts.channels);
         let mut ledger = EnergyOverTime::default();
         let mut film = Film::new(&scene, seconds);
         // often enough for a picture that does not jerk
         let block = (frames / LOOKS).clamp(1, (scene.rate / PICTURE).max(1.0) as u64).min(1024);
         let played = play::play(performance, length, block, &mut |p, rows, done| {
-            for row in rows.chunks_exact(scene.n_out.max(1)) {
-                sound.push(&row[..scene.channels]);
-                motion.push(&row[scene.channels..]);
+            for row in rows.chunks_exact(scene.counts.n_out.max(1)) {
+                sound.push(&row[..scene.counts.channels]);
+                motion.push(&row[scene.counts.channels..]);
             }
-            film.look(p.state.tick as f64 * scene.sample_dt, &p.state.x);
+            film.look(p.state.tick as f64 * scene.rates.sample_dt, &p.state.x);
             if !p.diverged && p.state.is_bounded(ca_io::perform::DIVERGED) {
-                ledger.look(p.state.tick as f64 * scene.sample_dt, p.state.ledger.as_deref());
+                ledger.look(p.state.tick as f64 * scene.rates.sample_dt, p.state.ledger.as_deref());
             }
             if goes_on(Work::Played(done, frames)) { Ok(()) } else { Err(Failure::Stopped) }
         })?;
@@ -136,14 +136,14 @@ impl<'a> ModelPage<'a> {
 
         let divergence = Divergence::of(&played, scene, &scene.findings, gesture);
         ledger.diverged_at = divergence.as_ref().map(|b| b.time);
-        let title = if scene.title.is_empty() { &loaded.name } else { &scene.title };
+        let title = if scene.about.title.is_empty() { &loaded.name } else { &scene.about.title };
         let mut report = Report::new(title, &format!("`{}`, {}", source_name(loaded), finished()));
         report.picture = ca_film::picture(&film)?;
         report.notes = parts::notes(&sound, divergence.is_some());
         if let Some(divergence) = &divergence {
             report.notes.insert(0, (Weight::Warning, divergence.to_string()));
         }
-        let refused = played.performance.state.refused;
+        let refused = played.performance.state.ports.refused;
         if refused > 0 {
             let what = format!("{refused} inputs had no value; the last good one was held instead");
             report.notes.push((Weight::Warning, what));
@@ -153,7 +153,7 @@ impl<'a> ModelPage<'a> {
         }
         let mut facts = Facts::of(scene);
         facts.add("length", format!("{} s", lasted(scene, &played, frames, seconds)));
-        let factor = played.wall.as_secs_f64() / (played.frames as f64 * scene.sample_dt);
+        let factor = played.wall.as_secs_f64() / (played.frames as f64 * scene.rates.sample_dt);
         let ledger_kept = if self.composed { "" } else { " with the energy ledger" };
         facts.add("real-time factor", format!("{}{ledger_kept}, on this machine", short(factor)));
         for (name, value) in &options.changes {
@@ -244,7 +244,7 @@ fn drawn(items: &[Item], scene: &Scene, name: &str) -> usize {
 fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -> Option<Section> {
     let items = &loaded.model.items;
     let mut all: [Vec<Curve>; DRAWN.len()] = Default::default();
-    for (k, (name, of)) in scene.probe_names.iter().zip(&scene.probe_of).enumerate() {
+    for (k, (name, of)) in scene.names.probe_names.iter().zip(&scene.names.probe_of).enumerate() {
         let asked = probes.get(*of as usize).map_or("", String::as_str);
         // of an output that hears several, each by its own name
         let shown = of_output(items, asked).filter(|_| name == asked).unwrap_or(name);

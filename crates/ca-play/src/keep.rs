@@ -144,8 +144,8 @@ impl Files for Keep {
             return Err("the model has no output, so there is no sound to record".into());
         }
         let path = self.free("wav")?;
-        let out = WavOut::create(&path, scene.rate, scene.channels, Format::F32).map_err(|e| e.to_string())?;
-        let wav = WavSink::from_now(out, scene.channels);
+        let out = WavOut::create(&path, scene.rate, scene.counts.channels, Format::F32).map_err(|e| e.to_string())?;
+        let wav = WavSink::from_now(out, scene.counts.channels);
         let started = AsyncSink::start("ca record", wav, BufferLimits::of(scene), RtRequest::default());
         let (line, sink) = started.map_err(|e| e.to_string())?;
         self.line.set(Some(line));

@@ -159,14 +159,18 @@ impl Sim {
     /// Samples cut off at full scale, samples without a value, inputs without a value.
     #[getter]
     fn counts(&self, py: Python) -> (u64, u64, u64) {
-        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.player.state.refused))
+        self.with(py, |r| (r.level.clipped, r.level.non_finite, r.player.state.ports.refused))
     }
 
     /// `ok`, `unstable`, `clipped` or `refused`, of all that was played.
     #[getter]
     fn status(&self, py: Python) -> &'static str {
         self.with(py, |r| {
-            if r.player.diverged { "unstable" } else { Outcome::heard(&r.level, r.player.state.refused, true).status }
+            if r.player.diverged {
+                "unstable"
+            } else {
+                Outcome::heard(&r.level, r.player.state.ports.refused, true).status
+            }
         })
     }
 

@@ -78,7 +78,7 @@ impl<'a> DeviceDemands<'a> {
         if devices.contains(&profile.name.as_str()) {
             devices.retain(|d| *d == profile.name);
         }
-        let rate = scene.rate / f64::from(scene.ratio);
+        let rate = scene.rate / f64::from(scene.rates.ratio);
         let setup = |device: &&str| Setup {
             device: (*device).into(),
             profile: profile.clone(),
@@ -86,14 +86,14 @@ impl<'a> DeviceDemands<'a> {
             gains: equivalence::gains(scene, device),
         };
         let needed = coupling::needed(scene, &devices.iter().map(setup).collect::<Vec<_>>());
-        let rows = (0..scene.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &needed)).collect();
+        let rows = (0..scene.ports.tgr.len()).filter_map(|t| row(scene, t, profile, &devices, &needed)).collect();
         DeviceDemands {
             profile,
             rows,
             held: Held::new(scene, profile),
             rate,
             devices,
-            feedback: scene.crossing.feedback,
+            feedback: scene.ports.crossing.feedback,
         }
     }
 
@@ -179,7 +179,7 @@ pub fn newton(v: f64) -> String {
 
 /// Device port number `t` of the scene.
 fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str], needed: &Needed) -> Option<LimitRow<'a>> {
-    let port = scene.tgr[t];
+    let port = scene.ports.tgr[t];
     let input = &scene.inputs[port.input as usize];
     let (device, dof) = input.device.as_ref()?;
     if !devices.contains(&device.as_str()) {
@@ -193,7 +193,7 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str], need
     let presented = Presented::new(scene, t, profile);
     let name = scene.mat_name(at);
     let rest = input.rest / gains.alpha;
-    let own = scene.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
+    let own = scene.about.gestures.iter().filter(|g| g.0 == input.name).flat_map(|g| &g.1);
     let asks = own.map(|p| p[1] / gains.alpha).fold([rest; 2], |[a, b], x| [a.min(x), b.max(x)]);
     let travel = presented.travel.iter();
     let beyond = travel.clone().filter(|[_, f]| f.abs() > profile.force).map(|[x, _]| (x - rest).abs());

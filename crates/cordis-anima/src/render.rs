@@ -50,13 +50,13 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
         return Err(e.fix("play less, or play it by blocks with `ca_io::perform::Performance`").into());
     }
     play(p, frames, BLOCK, &mut |p, rows, _| {
-        for row in rows.chunks_exact(scene.n_out.max(1)) {
-            sound.extend_from_slice(&row[..scene.channels]);
+        for row in rows.chunks_exact(scene.counts.n_out.max(1)) {
+            sound.extend_from_slice(&row[..scene.counts.channels]);
         }
         if p.diverged && diverged.is_none() {
             diverged = Some(p.state.tick as f64 * scene.rates.sample_dt);
         }
         Ok::<(), Error>(())
     })?;
-    Ok(Rendered { rate: scene.rate, channels: scene.channels, sound, diverged })
+    Ok(Rendered { rate: scene.rate, channels: scene.counts.channels, sound, diverged })
 }

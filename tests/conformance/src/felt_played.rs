@@ -28,9 +28,9 @@ fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
         let (mut s, ball) = (scene.state(), mat(&scene, "room.ball"));
         let (mut path, mut blows) = (Vec::new(), 0);
         for _ in 0..20_000 {
-            let pressed = s.mem[0] > 0.0;
+            let pressed = s.links.mem[0] > 0.0;
             tick(&scene, &mut s);
-            blows += u32::from(!pressed && s.mem[0] > 0.0);
+            blows += u32::from(!pressed && s.links.mem[0] > 0.0);
             path.push(s.x[ball]);
         }
         assert!(blows >= 3, "{blows} blows");
@@ -49,7 +49,7 @@ fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
     let scene = built(&read(text), &Options::default());
     let found: Vec<_> = scene.findings.list.iter().map(|d| d.title.as_str()).collect();
     assert_eq!(found, ["`press` presses at load, with 2 N"]);
-    assert_eq!(scene.state().mem, [1e-3, 0.0]);
+    assert_eq!(scene.state().links.mem, [1e-3, 0.0]);
 }
 
 /// Between two sets in space it stays a link for each pair, since each pair remembers its own contact.
@@ -63,5 +63,5 @@ fn a_set_of_contacts_with_memory_is_its_pairs() {
          d = 0.011 }}\n[SOX]\nout = {{ from = \"r.g0\", along = \"x\" }}\n"
     );
     let scene = built(&read(&text), &Options::default());
-    assert_eq!((scene.n_lia, scene.n_mem), (15, 30));
+    assert_eq!((scene.counts.n_lia, scene.counts.n_mem), (15, 30));
 }

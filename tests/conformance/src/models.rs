@@ -41,8 +41,8 @@ pub fn follow(points: &[[f64; 2]], t: f64) -> f64 {
 
 /// Puts on the ports what the scene's own gesture says for the next tick. Live parameters stay as they are.
 pub fn gesture(scene: &Scene, s: &mut State) {
-    let t = s.tick as f64 * scene.sample_dt;
-    for (name, points) in &scene.gestures {
+    let t = s.tick as f64 * scene.rates.sample_dt;
+    for (name, points) in &scene.about.gestures {
         if let Some(i) = scene.inputs.iter().position(|input| input.name == *name) {
             s.input[i] = follow(points, t);
         }

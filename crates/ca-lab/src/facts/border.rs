@@ -18,14 +18,14 @@ fn ms(seconds: f64) -> String {
 pub fn latency(scene: &Scene) -> Option<String> {
     let d = delays(scene);
     let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
-    if scene.tgr.is_empty() {
+    if scene.ports.tgr.is_empty() {
         return filter.is_some().then(|| format!("sound {} late by the filter of the outputs", ms(d.filter)));
     }
-    let force = if scene.crossing.feedback { ms(d.force) } else { "never".into() };
+    let force = if scene.ports.crossing.feedback { ms(d.force) } else { "never".into() };
     let mut notes: Vec<String> = Vec::new();
-    if scene.crossing.latency > 0 {
-        let s = if scene.crossing.latency == 1 { "" } else { "s" };
-        notes.push(format!("{} frame{s} of it `latency`", scene.crossing.latency));
+    if scene.ports.crossing.latency > 0 {
+        let s = if scene.ports.crossing.latency == 1 { "" } else { "s" };
+        notes.push(format!("{} frame{s} of it `latency`", scene.ports.crossing.latency));
     }
     notes.extend(filter);
     let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
@@ -35,7 +35,7 @@ pub fn latency(scene: &Scene) -> Option<String> {
 /// The two rates of a scene, and how many ticks a sample has where it has several.
 pub fn rates(scene: &Scene) -> String {
     let hertz = |f: f64| show(six(f), Unit::HERTZ);
-    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.ratio)));
+    let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.rates.ratio)));
     format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
 }
 
@@ -46,7 +46,7 @@ pub fn ticks(times: u32) -> String {
 
 /// The work of the border in words; `None` for a scene without a border.
 pub fn crossing(scene: &Scene) -> Option<&'static str> {
-    (!scene.tgr.is_empty()).then_some(match (scene.frame, scene.crossing.shape) {
+    (!scene.ports.tgr.is_empty()).then_some(match (scene.rates.frame, scene.ports.crossing.shape) {
         (1, _) => "one tick a frame, the force of the tick",
         (_, Shape::Linear) => "positions in a line through the frame, force its mean",
         (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
@@ -55,7 +55,8 @@ pub fn crossing(scene: &Scene) -> Option<&'static str> {
 
 /// Keys whose force reaches the hand, stiffest first.
 fn rendered_keys(scene: &Scene) -> Vec<&Key> {
-    let mut keys: Vec<&Key> = scene.certificate.keys.iter().filter(|k| scene.crossing.feedback && k.k > 0.0).collect();
+    let mut keys: Vec<&Key> =
+        scene.certificate.keys.iter().filter(|k| scene.ports.crossing.feedback && k.k > 0.0).collect();
     keys.sort_by(|a, b| felt_as(scene, b).total_cmp(&felt_as(scene, a)));
     keys
 }
@@ -81,7 +82,7 @@ pub fn scale_of(k: &Scale) -> String {
 
 /// Stiffness in the hand of the springs on a key \[N/m\].
 fn felt_as(scene: &Scene, key: &Key) -> f64 {
-    key.k * scene.equivalence.of(&key.name).stiffness()
+    key.k * scene.hand.equivalence.of(&key.name).stiffness()
 }
 
 /// Three digits of a stiffness.
@@ -94,5 +95,5 @@ pub fn exchanged<'a>(scene: &'a Scene, ledger: &Ledger) -> Vec<(&'a str, f64, f6
     let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
     let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());
     let row = |p: &Enx, e: &Exchange| (name(p.input), e.received * joules(p.input), e.given * joules(p.input));
-    scene.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
+    scene.ports.tgr.iter().zip(&ledger.hands).map(|(p, e)| row(p, e)).collect()
 }

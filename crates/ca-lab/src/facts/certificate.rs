@@ -22,20 +22,22 @@ pub fn stability(c: &Certificate) -> String {
             format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
         }
     };
-    let by = if c.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.decides) };
+    let by = if c.rules.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.rules.decides) };
     format!("{}{by}, {margin}{worst}{silent}", c.level)
 }
 
 /// The stiffest explicit contact, and what such contacts were measured to make.
 pub fn contacting(c: &Certificate) -> Option<String> {
-    let what = || format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.stiffest, short(c.contact));
-    (c.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.contact)))
+    let what = || {
+        format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.rules.stiffest, short(c.rules.contact))
+    };
+    (c.rules.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.rules.contact)))
 }
 
 /// Links that are judged at rest only.
 pub fn opened(c: &Certificate) -> Option<String> {
-    let names = ticked(c.open.iter().map(String::as_str));
-    (!c.open.is_empty())
+    let names = ticked(c.rules.open.iter().map(String::as_str));
+    (!c.rules.open.is_empty())
         .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 

@@ -22,7 +22,7 @@ pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
 
 /// True where groups at the gesture rate have a border that may make energy.
 pub fn compensated(scene: &Scene) -> bool {
-    scene.slow.as_ref().is_some_and(|g| g.compensated)
+    scene.rates.slow.as_ref().is_some_and(|g| g.compensated)
 }
 
 /// The links that made most energy, at most `most` of them, in falling order.

@@ -102,10 +102,16 @@ mod tests {
         let loaded = Loaded::read(text, what);
         let options = Options { bounds_only: true, ..Options::default() };
         let alone = loaded.compile(&options).expect("an example compiles").scene;
-        let Some(model) = models(&vec![loaded.model.clone(); 3], alone.channels, &catalog()) else { return false };
+        let Some(model) = models(&vec![loaded.model.clone(); 3], alone.counts.channels, &catalog()) else {
+            return false;
+        };
         let merged =
             Loaded { model, ..loaded }.compile(&options).unwrap_or_else(|e| panic!("{what}: {:?}", e.diags)).scene;
-        assert_eq!((merged.n_out, merged.inputs.len()), (3 * alone.n_out, 3 * alone.inputs.len()), "{what}");
+        assert_eq!(
+            (merged.counts.n_out, merged.inputs.len()),
+            (3 * alone.counts.n_out, 3 * alone.inputs.len()),
+            "{what}"
+        );
         let [mut one, mut all] = [&alone, &merged].map(|s| Performance::new(s, None).expect("its gesture plays"));
         for n in 0..3000 {
             one.tick();

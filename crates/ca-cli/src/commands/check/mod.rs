@@ -130,8 +130,8 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let [min, max] = [p.min, p.max].map(|v| quantity::show(v, p.unit));
         writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
     }
-    writeln!(out, "  rates      {}, {} ticks a frame", rates(scene), scene.frame)?;
-    if let Some(group) = &scene.slow {
+    writeln!(out, "  rates      {}, {} ticks a frame", rates(scene), scene.rates.frame)?;
+    if let Some(group) = &scene.rates.slow {
         let how = if group.compensated {
             ", compensated: what is not known of a frame is expected from those before, which is not proven"
         } else {

@@ -2,8 +2,8 @@
 
 use crate::load::Loaded;
 use crate::outcome::Failure;
-use ca_core::Unit;
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, Scale};
+use ca_core::{Scene, Unit};
 use ca_lab::facts::border::scale_of;
 use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};

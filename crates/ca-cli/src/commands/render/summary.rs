@@ -244,7 +244,7 @@ impl Summary<'_> {
         for (name, received, given) in exchanged(self.scene, &a.ledger) {
             let (leak, received, given) = (joule(received - given), joule(received), joule(given));
             writeln!(out, "    border   {received} through `{name}`, {given} given by its hand: {leak} by the delay")?;
-            if let Some(scale) = self.scene.equivalence.keys.iter().find(|k| k.key == name) {
+            if let Some(scale) = self.scene.hand.equivalence.keys.iter().find(|k| k.key == name) {
                 writeln!(out, "             `{name}` is {}", scale_of(scale))?;
             }
         }

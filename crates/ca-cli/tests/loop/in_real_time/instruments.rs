@@ -111,7 +111,8 @@ fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
         if name != device {
             continue;
         }
-        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.gestures.iter().find(|g| g.0 == i.name)) {
+        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.about.gestures.iter().find(|g| g.0 == i.name))
+        {
             (Some((_, own)), _) => own.to_vec(),
             (None, Some((_, points))) => points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect(),
             (None, None) => vec![[0.0, i.rest / i.gains.alpha]],

@@ -5,7 +5,8 @@
 use super::super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::super::header::Header;
 use super::super::next::MODEL;
-use super::super::{cdr, topic, views};
+use super::super::{cdr, topic};
+use super::views;
 use crate::frame::{DOF, DeviceFrame, ForceFrame};
 use ca_core::Scene;
 use mcap::write::NoSeek;
