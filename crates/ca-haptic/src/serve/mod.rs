@@ -26,7 +26,7 @@ mod taken;
 pub use async_sink::{AsyncSink, BufferLimits, SinkHandle};
 pub use clock::{Clock, Start};
 pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
-pub use recorder::Recorder;
+pub use recorder::{Recorder, Refused};
 pub use sink::{Notice, Sink, SinkStreams};
 pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
 

@@ -23,7 +23,7 @@ impl serve::Desk for Desk {
         self.session.sounds_by(host);
     }
 
-    fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+    fn change(&mut self, name: &str, value: &str) -> Result<(), ca_session::Refused> {
         self.session.change(name, value)
     }
 

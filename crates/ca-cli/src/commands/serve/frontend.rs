@@ -52,7 +52,7 @@ pub(crate) trait Desk {
     ///
     /// # Errors
     /// Why it cannot be.
-    fn change(&mut self, name: &str, value: &str) -> Result<(), String>;
+    fn change(&mut self, name: &str, value: &str) -> Result<(), ca_session::Refused>;
 
     /// One turn: what was asked, one request at least and no more after `end`, and now and then how it goes; no new version of
     /// the model where `setups` is none. True where somebody asked to stop.

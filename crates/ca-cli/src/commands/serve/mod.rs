@@ -152,11 +152,11 @@ pub(crate) fn session(args: &ServeArgs, page: Option<&dyn Frontend>) -> Outcome 
     let mut inputs = Inputs::open(args, &scene, page.is_some(), events)?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
     if args.gesture {
-        recorder.gesture(true).map_err(Failure::Failed)?;
+        recorder.gesture(true).map_err(|why| Failure::Failed(why.to_string()))?;
     }
     let mut talk = talk::Talk::open(&setups, unknown, &scene, gateway_ends, rt_request(args, -5), page.is_some())?;
     if args.arm {
-        recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
+        recorder.order(None, Order::Arm).map_err(|why| Failure::Failed(why.to_string()))?;
     }
 
     let clock = match args.clock {
