@@ -39,7 +39,7 @@ impl Compiler {
 }
 
 impl Maker for Compiler {
-    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), String> {
+    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), ca_session::Refused> {
         let (source, changes, options) = (self.source.clone(), changes.to_vec(), self.options.clone());
         let setups = setups.to_vec();
         let (tell, making) = channel();

@@ -9,11 +9,11 @@ use ca_session::Language;
 pub struct ModelLanguage;
 
 impl Language for ModelLanguage {
-    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String> {
+    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, ca_session::Refused> {
         let name = &param.name;
         let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
         if q.has_unit && !q.dim.same(param.unit.dim) {
-            return Err(format!("`{name}` is a quantity in {}", param.unit.symbol));
+            return Err(format!("`{name}` is a quantity in {}", param.unit.symbol).into());
         }
         Ok(q.value)
     }

@@ -133,7 +133,7 @@ impl Files for Keep {
         self.saves = self.saves.take().filter(waits);
     }
 
-    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String> {
+    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, ca_session::Refused> {
         if !on {
             return self.stop().ok_or_else(|| "nothing is recorded".into());
         }
@@ -154,7 +154,7 @@ impl Files for Keep {
         Ok(text)
     }
 
-    fn save(&mut self, recorder: &mut Recorder) -> Result<String, String> {
+    fn save(&mut self, recorder: &mut Recorder) -> Result<String, ca_session::Refused> {
         let Some(kept) = &self.kept else {
             return Err("what devices did is kept only with --log TAKE, from the start".into());
         };

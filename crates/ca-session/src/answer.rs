@@ -1,6 +1,7 @@
 //! Answers to requests of `ca set`, `ca arm` and the like, which pages send too.
 
 use crate::host::Language;
+use crate::refused::Refused;
 use ca_core::LiveParam;
 use ca_core::internal::numeric::Plain;
 use ca_haptic::control::{Given, Reply, Request};
@@ -13,7 +14,7 @@ use std::fmt::Write as _;
 const LONGEST: usize = 300;
 
 /// Changes a number of the model that is not live, as by `--set`: its name and value.
-pub type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), String>;
+pub type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), Refused>;
 
 /// Answers a request; sets `leave` if it ends the program. With `change`, names that are not live parameters are numbers of the
 /// model, which is then compiled again.
@@ -24,7 +25,7 @@ pub fn answer(
     leave: &mut bool,
     change: Option<Change<'_>>,
 ) -> Reply {
-    let done = |r: Result<(), String>, text: String| match r {
+    let done = |r: Result<(), Refused>, text: String| match r {
         Ok(()) => Reply::done(text),
         Err(why) => Reply::refused(why),
     };
@@ -63,13 +64,13 @@ pub fn answer(
         Request::Arm { device } => {
             let who = device.as_deref().unwrap_or("all devices").to_string();
             done(
-                recorder.order(device.as_deref(), Order::Arm),
+                recorder.order(device.as_deref(), Order::Arm).map_err(Refused::from),
                 format!("{who}: armed; forces fade in once nothing pushes"),
             )
         }
         Request::Disarm { device } => {
             let who = device.as_deref().unwrap_or("all devices").to_string();
-            done(recorder.order(device.as_deref(), Order::Disarm), format!("{who}: forces off"))
+            done(recorder.order(device.as_deref(), Order::Disarm).map_err(Refused::from), format!("{who}: forces off"))
         }
         Request::Stop => {
             *leave = true;
@@ -78,7 +79,9 @@ pub fn answer(
         Request::Audio { to: Some(name) } if name.len() > LONGEST => {
             Reply::refused(format!("a name has {LONGEST} bytes at most"))
         }
-        Request::Audio { to: Some(name) } => done(recorder.outputs().ask(name.trim()), format!("{name} is asked for")),
+        Request::Audio { to: Some(name) } => {
+            done(recorder.outputs().ask(name.trim()).map_err(Refused::from), format!("{name} is asked for"))
+        }
         Request::Audio { to: None } => outputs(recorder),
         Request::Status => status(recorder),
     }
@@ -87,11 +90,11 @@ pub fn answer(
 /// The value of a live parameter \[SI\].
 ///
 /// # Errors
-/// In words, if the parameter does not exist, or the text is not a quantity of its unit.
-pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Given) -> Result<f64, String> {
+/// If the parameter does not exist, or the text is not a quantity of its unit.
+pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Given) -> Result<f64, Refused> {
     let params = recorder.controls().params();
     if name.len() > LONGEST {
-        return Err(format!("a name has {LONGEST} bytes at most"));
+        return Err(format!("a name has {LONGEST} bytes at most").into());
     }
     let Some(param) = params.iter().find(|p| p.name == name) else {
         let names: Vec<&str> = params.iter().map(|p| p.name.as_str()).collect();
@@ -99,7 +102,7 @@ pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Gi
             Some(m) => format!("did you mean `{m}`?"),
             None => "declare it in [param] with live = true".into(),
         };
-        return Err(format!("`{name}` is not a live parameter of this model; {hint}"));
+        return Err(format!("`{name}` is not a live parameter of this model; {hint}").into());
     };
     match given {
         Given::Number(v) => Ok(v),

@@ -4,6 +4,7 @@
 //! nothing. If several changes were refused together, each is tried alone, so that a wrong one does not take a good one along.
 
 use crate::host::{Made, Maker, Making};
+use crate::refused::Refused;
 use ca_haptic::engine::Setup;
 use std::collections::VecDeque;
 
@@ -50,12 +51,12 @@ impl Edit {
     }
 
     /// Changes a number of the model, as by `--set`.
-    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         if self.changes.len() >= MOST && !self.changes.iter().any(|c| c.0 == name) {
-            return Err(format!("{MOST} numbers are changed already; write them into the file of the model"));
+            return Err(format!("{MOST} numbers are changed already; write them into the file of the model").into());
         }
         if name.len().max(value.len()) > LONGEST {
-            return Err(format!("`name` and `value` have {LONGEST} bytes at most"));
+            return Err(format!("`name` and `value` have {LONGEST} bytes at most").into());
         }
         put(&mut self.changes, (name.into(), value.into()));
         self.again = true;
@@ -95,7 +96,7 @@ impl Edit {
         if core::mem::take(&mut self.again) {
             self.tried.clone_from(&self.changes);
             if let Err(why) = self.maker.start(&self.changes, core::mem::take(&mut self.anew), setups) {
-                return Some(Err(why));
+                return Some(Err(why.into()));
             }
         }
         made

@@ -1,5 +1,6 @@
 //! The parts of a session that need a compiler, files or threads, as traits. The host supplies them.
 
+use crate::refused::Refused;
 use ca_core::{LiveParam, Scene};
 use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
@@ -12,8 +13,8 @@ pub trait Language {
     /// The value of a text for `param` \[SI\].
     ///
     /// # Errors
-    /// In words, if the text is not a quantity of its unit.
-    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String>;
+    /// If the text is not a quantity of its unit.
+    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, Refused>;
 
     /// The name that is nearest to `word`, if one is near.
     fn nearest(&self, word: &str, names: &[&str]) -> Option<String>;
@@ -52,8 +53,8 @@ pub trait Maker {
     /// version begins as at load.
     ///
     /// # Errors
-    /// In words, if it cannot begin.
-    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), String>;
+    /// If it cannot begin.
+    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), Refused>;
 
     /// Takes the result of the compilation, if it ended.
     fn poll(&mut self) -> Making;
@@ -79,12 +80,12 @@ pub trait Files {
     /// Records sound into a new file from now on, or ends that; gives an answer in words.
     ///
     /// # Errors
-    /// In words, if nothing is recorded, or the file cannot be written.
-    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, String>;
+    /// If nothing is recorded, or the file cannot be written.
+    fn record(&mut self, on: bool, scene: &Scene) -> Result<String, Refused>;
 
     /// Saves everything that was done since the start as a take; gives an answer in words.
     ///
     /// # Errors
-    /// In words, if nothing was kept, or the file cannot be written.
-    fn save(&mut self, recorder: &mut Recorder) -> Result<String, String>;
+    /// If nothing was kept, or the file cannot be written.
+    fn save(&mut self, recorder: &mut Recorder) -> Result<String, Refused>;
 }

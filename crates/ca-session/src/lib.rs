@@ -20,6 +20,7 @@ pub mod osc;
 mod pages;
 mod picture;
 pub mod protocol;
+mod refused;
 mod session;
 
 pub use answer::{Change, answer, value};
@@ -29,4 +30,5 @@ pub use instrument::Instrument;
 pub use midi::Midi;
 pub use pages::Pages;
 pub use picture::PageSink;
+pub use refused::Refused;
 pub use session::{Parts, Session};

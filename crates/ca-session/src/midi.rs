@@ -4,6 +4,7 @@
 //! model plays ([`Midi::learn`]). Everything ends in the recorder, so that a take has it. Events that move nothing are
 //! reported once.
 
+use crate::refused::Refused;
 use ca_core::Scene;
 use ca_haptic::engine::LONGEST;
 use ca_haptic::serve::Recorder;
@@ -51,7 +52,7 @@ impl Midi {
         while let Some(due) = self.lifted.iter().position(|l| l.0 <= now) {
             let (_, name, glide) = self.lifted.swap_remove(due);
             let done = recorder.port(&name, glide.to, glide.over);
-            complain(recorder, done);
+            complain(recorder, done.map_err(Refused::from));
         }
     }
 
@@ -73,7 +74,7 @@ impl Midi {
                     Ok(())
                 }
             };
-            complain(recorder, done);
+            complain(recorder, done.map_err(Refused::from));
         }
     }
 
@@ -84,7 +85,7 @@ impl Midi {
         name: String,
         Motion { lift, glide }: Motion,
         now: Duration,
-    ) -> Result<(), String> {
+    ) -> Result<(), Refused> {
         self.lifted.retain(|l| l.1 != name);
         let first = lift.unwrap_or(glide);
         recorder.port(&name, first.to, first.over)?;
@@ -95,7 +96,7 @@ impl Midi {
         Ok(())
     }
 
-    fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), String> {
+    fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), Refused> {
         if let Some(name) = self.learning.take() {
             recorder.say(false, format!("controller {} on channel {} sets `{name}`", at.1, at.0));
             // one controller a parameter
@@ -111,21 +112,24 @@ impl Midi {
         };
         let range = recorder.controls().params().iter().find(|p| p.name == *name).map(|p| (p.min, p.max));
         let (min, max) = range.ok_or_else(|| format!("`{name}` is no live parameter any more"))?;
-        recorder.set(&[(name.clone(), if part >= 1.0 { max } else { min + part * (max - min) })])
+        recorder.set(&[(name.clone(), if part >= 1.0 { max } else { min + part * (max - min) })])?;
+        Ok(())
     }
 
     /// The next controller that moves sets this live parameter from then on, between its bounds. Without a name no
     /// controller is waited for.
     ///
     /// # Errors
-    /// In words, if the parameter does not exist, or lacks bounds.
-    pub fn learn(&mut self, recorder: &Recorder, name: Option<&str>) -> Result<(), String> {
+    /// If the parameter does not exist, or lacks bounds.
+    pub fn learn(&mut self, recorder: &Recorder, name: Option<&str>) -> Result<(), Refused> {
         if let Some(name) = name {
             let params = recorder.controls().params();
             let param = params.iter().find(|p| p.name == name);
             let param = param.ok_or_else(|| format!("`{name}` is not a live parameter of this model"))?;
             if !(param.min.is_finite() && param.max.is_finite()) {
-                return Err(format!("`{name}` has no bounds to go between; give it `min` and `max` in the model"));
+                return Err(
+                    format!("`{name}` has no bounds to go between; give it `min` and `max` in the model").into()
+                );
             }
         }
         self.learning = name.map(Into::into);
@@ -144,7 +148,7 @@ impl Midi {
 }
 
 /// Reports why MIDI did nothing.
-fn complain(recorder: &mut Recorder, done: Result<(), String>) {
+fn complain(recorder: &mut Recorder, done: Result<(), Refused>) {
     if let Err(why) = done {
         recorder.say(true, format!("MIDI: {why}"));
     }

@@ -14,6 +14,7 @@
 use crate::answer::value;
 use crate::host::Language;
 use crate::midi::Midi;
+use crate::refused::Refused;
 use ca_haptic::control::Given;
 use ca_haptic::engine::GLIDE;
 use ca_haptic::serve::Recorder;
@@ -57,7 +58,7 @@ pub fn play(packet: &[u8], admit: &dyn Fn(&str) -> Result<String, String>, targe
         Ok(packet) => {
             apply(packet, target, &mut done);
             if !done.sets.is_empty() {
-                done.wrong.extend(target.recorder.set(&done.sets).err().map(|why| ("/param".into(), why)));
+                done.wrong.extend(target.recorder.set(&done.sets).err().map(|why| ("/param".into(), why.to_string())));
             }
         }
         Err(why) => done.wrong.push((String::new(), why)),
@@ -91,7 +92,7 @@ fn apply(packet: OscPacket, target: &mut Target<'_>, done: &mut Outcome) {
         OscPacket::Message(m) if m.addr == "/state" => done.asked = true,
         OscPacket::Message(m) => {
             let why = message(&m, target, &mut done.sets).err();
-            done.wrong.extend(why.map(|why| (m.addr, why)));
+            done.wrong.extend(why.map(|why| (m.addr, why.to_string())));
         }
     }
 }
@@ -105,7 +106,7 @@ fn state(recorder: &Recorder) -> Vec<(&'static str, Vec<OscType>)> {
     recorder.controls().params().iter().map(param).chain([tick]).collect()
 }
 
-fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)>) -> Result<(), String> {
+fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)>) -> Result<(), Refused> {
     let args = &m.args[..];
     let Target { recorder, midi: inputs, language, now } = target;
     if let Some(name) = m.addr.strip_prefix("/param/") {
@@ -132,7 +133,7 @@ fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)
     Ok(())
 }
 
-fn number(v: &OscType) -> Result<f64, String> {
+fn number(v: &OscType) -> Result<f64, Refused> {
     match v {
         OscType::Float(v) => Ok(f64::from(*v)),
         OscType::Double(v) => Ok(*v),
@@ -142,14 +143,14 @@ fn number(v: &OscType) -> Result<f64, String> {
     }
 }
 
-fn given(v: &OscType) -> Result<Given, String> {
+fn given(v: &OscType) -> Result<Given, Refused> {
     match v {
         OscType::String(text) => Ok(Given::Text(text.clone())),
         v => number(v).map(Given::Number),
     }
 }
 
-fn truth(v: &OscType) -> Result<bool, String> {
+fn truth(v: &OscType) -> Result<bool, Refused> {
     match v {
         OscType::Bool(v) => Ok(*v),
         v => match number(v)? {
@@ -160,10 +161,14 @@ fn truth(v: &OscType) -> Result<bool, String> {
 }
 
 /// The bytes of an event of a channel, the first where none is given.
-fn midi(status: u8, data: [&OscType; 2], channel: &[OscType]) -> Result<[u8; 3], String> {
-    let byte = |v: &OscType, range: core::ops::RangeInclusive<f64>| {
+fn midi(status: u8, data: [&OscType; 2], channel: &[OscType]) -> Result<[u8; 3], Refused> {
+    let byte = |v: &OscType, range: core::ops::RangeInclusive<f64>| -> Result<u8, Refused> {
         let n = number(v)?.round();
-        if range.contains(&n) { Ok(n as u8) } else { Err(format!("{n} is not {} to {}", range.start(), range.end())) }
+        if range.contains(&n) {
+            Ok(n as u8)
+        } else {
+            Err(format!("{n} is not {} to {}", range.start(), range.end()).into())
+        }
     };
     let channel = match channel {
         [] => 1,

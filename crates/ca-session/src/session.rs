@@ -11,6 +11,7 @@ use crate::midi::Midi;
 use crate::pages::Pages;
 use crate::picture::{Coming, PageSink, Stats};
 use crate::protocol::{Bound, Choices, DeviceState, Message, NumberedRequest, Picked, Request as PageAsks};
+use crate::refused::Refused;
 use ca_core::Scene;
 use ca_haptic::control::Request;
 use ca_haptic::engine::{GLIDE, Setup};
@@ -74,7 +75,7 @@ pub struct Session {
 }
 
 /// An answer in words, and the mass that was asked for.
-type Answer = Result<(String, Option<Picked>), String>;
+type Answer = Result<(String, Option<Picked>), Refused>;
 
 impl Session {
     /// A session that plays `scene`, whose pages are fed by `sink`.
@@ -108,8 +109,8 @@ impl Session {
     /// Changes a number of the model, as by `--set`.
     ///
     /// # Errors
-    /// In words, if there are too many changes, or one is too long.
-    pub fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+    /// If there are too many changes, or one is too long.
+    pub fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         self.edit.change(name, value)
     }
 
@@ -144,7 +145,7 @@ impl Session {
         let answer = request.and_then(|r| self.answer(recorder, midi, (client, &r), now, &mut leave));
         let (ok, text, picked) = match answer {
             Ok((text, picked)) => (true, text, picked),
-            Err(why) => (false, why, None),
+            Err(why) => (false, why.to_string(), None),
         };
         // a request without a number is answered only if it is refused
         if id.is_some() || !ok {
@@ -159,7 +160,7 @@ impl Session {
         if self.holder == Some(client) {
             self.holder = None;
             if let Err(why) = recorder.release() {
-                self.pages.tell_all(&Message::Said { bad: true, text: why });
+                self.pages.tell_all(&Message::Said { bad: true, text: why.to_string() });
             }
         }
     }
@@ -181,7 +182,7 @@ impl Session {
             self.pages.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
             if core::mem::take(&mut self.plays) && !self.scene.about.gestures.is_empty() {
                 if let Err(why) = recorder.gesture(true) {
-                    recorder.say(true, why);
+                    recorder.say(true, why.to_string());
                 }
             }
         }
@@ -217,7 +218,7 @@ impl Session {
         let language = &*self.language;
         let mut control = |recorder: &mut Recorder, request: Request| {
             let reply = answer(recorder, language, request, leave, None);
-            if reply.ok { Ok((reply.text, None)) } else { Err(reply.text) }
+            if reply.ok { Ok((reply.text, None)) } else { Err(reply.text.into()) }
         };
         match request {
             PageAsks::Grab { mass } => {
@@ -285,7 +286,7 @@ impl Session {
             PageAsks::Audio { device } => {
                 let name = device.trim();
                 if name.is_empty() || name.len() > NAME {
-                    return Err(format!("`device` is the name of what plays, of {NAME} bytes at most"));
+                    return Err(format!("`device` is the name of what plays, of {NAME} bytes at most").into());
                 }
                 recorder.outputs().ask(name)?;
                 done("it is opened")
@@ -309,10 +310,10 @@ impl Session {
     }
 
     /// Number in the drawing and number of the MAT of a request.
-    fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), String> {
+    fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), Refused> {
         let drawn = mass.ok_or("`mass` is a number of the drawing")?;
         let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
-        mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch"))
+        mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch").into())
     }
 
     /// Name and kind of a mass.
@@ -362,7 +363,7 @@ impl Session {
 }
 
 /// One number, or three.
-fn vector(by: Option<&[f64]>) -> Result<[f64; 3], String> {
+fn vector(by: Option<&[f64]>) -> Result<[f64; 3], Refused> {
     match by {
         Some([u]) => Ok([*u, 0.0, 0.0]),
         Some([x, y, z]) => Ok([*x, *y, *z]),

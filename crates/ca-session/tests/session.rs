@@ -5,7 +5,7 @@ use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
 use ca_session::protocol::{Message, NumberedRequest};
-use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts};
+use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts, Refused};
 use ca_view::Drawing;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -85,7 +85,7 @@ impl Pages for FakePages {
 struct Numbers;
 
 impl Language for Numbers {
-    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, String> {
+    fn value(&self, param: &LiveParam, text: &str) -> Result<f64, Refused> {
         let number = text.strip_suffix(param.unit.symbol).ok_or("another unit")?;
         number.trim().parse().map_err(|_| "not a number".into())
     }
@@ -102,7 +102,7 @@ impl Language for Numbers {
 struct Compiler(Option<Result<Box<Made>, String>>);
 
 impl Maker for Compiler {
-    fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), String> {
+    fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), Refused> {
         self.0 = Some(scene(changes).map(|scene| {
             Box::new(Made {
                 drawing: Arc::new(Drawing::new(&scene)),
@@ -135,10 +135,10 @@ impl Files for NoFiles {
         None
     }
     fn turn(&mut self, _: &mut Recorder) {}
-    fn record(&mut self, _: bool, _: &Scene) -> Result<String, String> {
+    fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
         Err("no files here".into())
     }
-    fn save(&mut self, _: &mut Recorder) -> Result<String, String> {
+    fn save(&mut self, _: &mut Recorder) -> Result<String, Refused> {
         Err("no files here".into())
     }
 }

@@ -20,7 +20,7 @@ mod touch;
 pub(crate) use mean_force::is_slower;
 pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
-pub use swap::{Swap, carried};
+pub use swap::{FixedPart, Swap, carried};
 pub(crate) use touch::lead;
 pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
 

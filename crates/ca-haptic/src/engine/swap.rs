@@ -90,27 +90,50 @@ fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
     mats.filter_map(place).collect()
 }
 
+/// A part of a scene that cannot change while it plays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FixedPart {
+    /// the rates of sound and gesture
+    Rates,
+    /// the sound channels
+    Outputs,
+    /// the device ports
+    Devices,
+}
+
+impl core::fmt::Display for FixedPart {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let what = match self {
+            FixedPart::Rates => "the rates",
+            FixedPart::Outputs => "the outputs",
+            FixedPart::Devices => "the devices",
+        };
+        write!(f, "{what} cannot change while it plays; end it, and start it again")
+    }
+}
+
+impl core::error::Error for FixedPart {}
+
 impl Swap {
     /// From `old` to `scene`, which begins in `state` but where masses of the same name go on; `anew` none does.
     ///
     /// # Errors
-    /// In words, where the two differ in what cannot change while it plays.
+    /// Where the two differ in what cannot change while it plays.
     pub fn new(
         old: &Scene,
         scene: Arc<Scene>,
         mut state: State,
         setups: &[Setup],
         (number, anew): (u32, bool),
-    ) -> Result<Swap, String> {
-        let differs = |what: &str| Err(format!("{what} cannot change while it plays; end it, and start it again"));
+    ) -> Result<Swap, FixedPart> {
         if (old.rate, old.rates.ratio) != (scene.rate, scene.rates.ratio) {
-            return differs("the rates");
+            return Err(FixedPart::Rates);
         }
         if old.names.channel_names != scene.names.channel_names {
-            return differs("the outputs");
+            return Err(FixedPart::Outputs);
         }
         if devices(old) != devices(&scene) {
-            return differs("the devices");
+            return Err(FixedPart::Devices);
         }
         let same = |i: &ca_core::Input| old.inputs.iter().position(|o| (&o.name, o.role) == (&i.name, i.role));
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));

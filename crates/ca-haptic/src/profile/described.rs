@@ -5,7 +5,7 @@
 //! of `unknown`, or less where the device says less. Its travel only says where the soft edges are. Until it has said
 //! what it is there is no force at all: which components make one vector is not known before.
 
-use super::Profile;
+use super::{Profile, ProfileFault};
 use crate::frame::{About, DOF, text};
 
 /// Name of the profile of a device that nobody has described.
@@ -30,16 +30,14 @@ impl Profile {
     /// of this profile, or less.
     ///
     /// # Errors
-    /// What it says that makes no sense, in words.
-    pub fn described(&self, about: &About) -> Result<Profile, String> {
+    /// The first statement of the device that makes no sense.
+    pub fn described(&self, about: &About) -> Result<Profile, ProfileFault> {
         let (n, axes) = (u32::from(about.n), u32::from(about.axes));
         if n == 0 || n as usize > DOF {
-            return Err(format!("it says that it has {n} degrees of freedom; 1 to {DOF} are possible"));
+            return Err(ProfileFault::SaysDof(n));
         }
         if !(1..=3).contains(&axes) || !n.is_multiple_of(axes) {
-            return Err(format!(
-                "it says that {axes} axes of its {n} make a force; 1, 2 or 3 that divide {n} are possible"
-            ));
+            return Err(ProfileFault::SaysAxes(axes, n));
         }
         let all = ..n as usize;
         let low = about.low[all].iter().fold(f64::INFINITY, |m, x| m.min(f64::from(*x)));

@@ -5,11 +5,13 @@
 //! A device nobody has described is `unknown`: 2 N, slow, soft, of as many degrees of freedom as it says it has.
 
 mod described;
+mod fault;
 mod sense;
 #[cfg(test)]
 mod tests;
 
 pub use described::UNKNOWN;
+pub use fault::ProfileFault;
 
 use ca_io::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};
@@ -207,7 +209,7 @@ impl Profile {
     pub fn read(text: &str, file: &str) -> Result<Profile, FileError> {
         let bad = |what: String| FileError::new(FileErrorKind::Content, format!("{file}: {what}"));
         let p: Profile = toml::from_str(text).map_err(|e| bad(e.to_string().trim_end().into()))?;
-        p.sense().map_err(bad)?;
+        p.sense().map_err(|fault| bad(fault.to_string()))?;
         Ok(p)
     }
 

@@ -3,7 +3,7 @@
 //! Decides on fixed bounds, far beyond every device there is, rather than on trust: a slip of a digit, or `1e300` for
 //! "none", would switch off what protects a hand without a word.
 
-use super::Profile;
+use super::{Profile, ProfileFault};
 
 /// Shortest time in which a force may begin or fade in \[s\].
 const SOON: f64 = 0.01;
@@ -12,7 +12,7 @@ const ABOVE: f64 = f64::MIN_POSITIVE;
 
 impl Profile {
     /// The first thing about it that makes no sense.
-    pub(super) fn sense(&self) -> Result<(), String> {
+    pub(super) fn sense(&self) -> Result<(), ProfileFault> {
         let l = &self.guard;
         let all = [
             ("force", Some(self.force), 0.0, 1000.0, "N"),
@@ -53,40 +53,36 @@ impl Profile {
             let Some(v) = v else { continue };
             if v.is_nan() || v < least {
                 return Err(match least {
-                    0.0 => format!("`{name}` must not be negative, it is {v}"),
-                    SOON => format!("`{name}` is at least {SOON} s, it is {v}: less is a jump"),
-                    _ => format!("`{name}` must be more than 0, it is {v}"),
+                    0.0 => ProfileFault::Negative(name, v),
+                    SOON => ProfileFault::Short(name, SOON, v),
+                    _ => ProfileFault::NotAbove(name, v),
                 });
             }
             if v > most {
-                return Err(format!(
-                    "`{name}` is at most {most} {unit}, it is {v}: more would leave a hand without this limit"
-                ));
+                return Err(ProfileFault::Large(name, most, v, unit));
             }
         }
         if self.dof == 0 || self.dof as usize > crate::frame::DOF {
-            return Err(format!("`dof` lies between 1 and {}, it is {}", crate::frame::DOF, self.dof));
+            return Err(ProfileFault::Dof(self.dof));
         }
         if self.axes == 0 || self.axes > 3 || !self.dof.is_multiple_of(self.axes) {
-            return Err(format!("`axes` is 1, 2 or 3 and divides `dof` = {}, it is {}", self.dof, self.axes));
+            return Err(ProfileFault::Axes(self.axes, self.dof));
         }
         if !(self.range[0].is_finite() && self.range[1].is_finite() && self.range[0] < self.range[1]) {
-            return Err("`range` = [least, largest] in metres".into());
+            return Err(ProfileFault::Range);
         }
         if l.zero <= self.hold() {
-            return Err("`guard.zero` must be later than `guard.hold`".into());
+            return Err(ProfileFault::Zero);
         }
         let [low, high] = l.oscillation_band;
         if !(low > 0.0 && low.is_finite() && high > low) {
-            return Err(
-                "`guard.oscillation_band` = [lowest, highest] in hertz, more than 0; `inf` for all above".into()
-            );
+            return Err(ProfileFault::Band);
         }
         if l.bad == 0 || l.bad > 64 {
-            return Err(format!("`guard.bad` lies between 1 and 64, it is {}", l.bad));
+            return Err(ProfileFault::Bad(l.bad));
         }
         if l.edge >= 0.5 {
-            return Err("`guard.edge` is less than half of the travel".into());
+            return Err(ProfileFault::Edge);
         }
         Ok(())
     }

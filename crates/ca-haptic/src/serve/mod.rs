@@ -32,7 +32,7 @@ pub use clock::{Clock, Start};
 #[cfg(feature = "mcap")]
 pub use kept::Kept;
 pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
-pub use recorder::Recorder;
+pub use recorder::{Recorder, Refused};
 pub use sink::{Notice, Sink, SinkStreams};
 pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
 #[cfg(feature = "system")]

@@ -1,6 +1,7 @@
 //! The recorder: takes what the engine leaves behind to those who want it, and what people ask to the engine.
 
 mod hand;
+mod refused;
 mod seen;
 mod swap;
 
@@ -17,6 +18,7 @@ use crate::stats::Times;
 use crate::version::Version;
 use ca_core::{Controls, Scene};
 use ca_io::FileError;
+pub use refused::Refused;
 use seen::Seen;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
@@ -261,27 +263,24 @@ impl Recorder {
         }
     }
 
-    fn command(&mut self, act: EngineCommand) -> Result<(), String> {
+    fn command(&mut self, act: EngineCommand) -> Result<(), Refused> {
         // what is made for a scene is not for the one after it
         if self.is_swapping() && !matches!(act, EngineCommand::Order(..) | EngineCommand::Mark) {
-            return Err("another version of the model is on its way; try again".into());
+            return Err(Refused::Swapping);
         }
         let disarms = self.shared.disarms.load(Relaxed);
-        self.ends
-            .commands
-            .push((disarms, act))
-            .map_err(|_| "the engine has more to do than it can take; try again".to_string())
+        self.ends.commands.push((disarms, act)).map_err(|_| Refused::Busy)
     }
 
     /// Sets several live parameters \[SI\] in one tick. Nothing changes where one of them is refused.
     ///
     /// # Errors
-    /// In words, for the first parameter that is none or out of range; nothing has changed then.
-    pub fn set(&mut self, values: &[(String, f64)]) -> Result<(), String> {
+    /// For the first parameter that does not exist or is out of range; nothing has changed then.
+    pub fn set(&mut self, values: &[(String, f64)]) -> Result<(), Refused> {
         let mut controls = self.controls.clone();
         let mut change = Change::default();
         for (name, value) in values {
-            let patch = controls.set(name, *value).map_err(|e| e.to_string())?;
+            let patch = controls.set(name, *value)?;
             let place = controls.params().iter().position(|p| p.name == *name).unwrap_or_default();
             change.params.push((place as u32, *value));
             change.patches.push(patch);
@@ -294,8 +293,8 @@ impl Recorder {
     /// Asks for a [`Record::Marked`], which comes after the records of everything that was asked before.
     ///
     /// # Errors
-    /// In words, where the engine takes no command.
-    pub fn mark(&mut self) -> Result<(), String> {
+    /// Where the engine takes no command.
+    pub fn mark(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Mark)
     }
 
@@ -307,14 +306,13 @@ impl Recorder {
     /// Arms or disarms a device, or all. A model that diverged is loaded again first.
     ///
     /// # Errors
-    /// In words, where there is no such device or the engine takes no order.
-    pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), String> {
+    /// Where there is no such device or the engine takes no order.
+    pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), Refused> {
         let which = match device {
             None => None,
             Some(name) => {
                 let Some(k) = self.seen.iter().position(|s| s.name == name) else {
-                    let all: Vec<_> = self.seen.iter().map(|s| format!("`{}`", s.name)).collect();
-                    return Err(format!("no device `{name}` here; there is {}", all.join(", ")));
+                    return Err(Refused::Device(name.into(), self.seen.iter().map(|s| s.name.clone()).collect()));
                 };
                 Some(k as u32)
             }
@@ -334,16 +332,16 @@ impl Recorder {
     /// Device number `which` is what `setup` says from the next gesture frame on.
     ///
     /// # Errors
-    /// In words, where the engine takes no order.
-    pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), String> {
+    /// Where the engine takes no order.
+    pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), Refused> {
         self.command(EngineCommand::Refit(Box::new(Refit::new(&self.scene, which, setup))))
     }
 
     /// The scene as at load, with all parameters as at load, and forces off.
     ///
     /// # Errors
-    /// In words, where the engine takes no order.
-    pub fn reload(&mut self) -> Result<(), String> {
+    /// Where the engine takes no order.
+    pub fn reload(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Reload(Box::new(self.scene.state())))?;
         self.controls = self.scene.controls();
         Ok(())

@@ -1,6 +1,7 @@
 //! Requests of a page to the program.
 
 use super::define::messages;
+use crate::refused::Refused;
 use ca_haptic::control::Given;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};
@@ -99,7 +100,7 @@ pub struct NumberedRequest {
     /// `id` of the object, where it has one
     pub id: Option<Value>,
     /// the request, or why there is none
-    pub request: Result<Request, String>,
+    pub request: Result<Request, Refused>,
 }
 
 impl NumberedRequest {
@@ -107,7 +108,7 @@ impl NumberedRequest {
     pub fn read(object: Value) -> NumberedRequest {
         let id = object.get("id").cloned();
         let kind = object["type"].as_str().unwrap_or_default().to_owned();
-        let request = serde_json::from_value(object).map_err(|_| format!("`{kind}` is nothing a page can ask"));
+        let request = serde_json::from_value(object).map_err(|_| format!("`{kind}` is nothing a page can ask").into());
         NumberedRequest { id, request }
     }
 }

@@ -163,9 +163,9 @@ fn parameters_change_together_or_not_at_all() {
         step(&mut run, n);
     }
     let two = |k: f64, z: f64| [("k".to_string(), k), ("z".to_string(), z)];
-    assert!(run.recorder.set(&two(900.0, 7.0)).unwrap_err().contains("`z` must lie between 0 and 1"));
-    assert!(run.recorder.set(&[("q".to_string(), 1.0)]).unwrap_err().contains("`q`"));
-    assert!(run.recorder.order(Some("kay"), Order::Arm).unwrap_err().contains("`key`"));
+    assert!(run.recorder.set(&two(900.0, 7.0)).unwrap_err().to_string().contains("`z` must lie between 0 and 1"));
+    assert!(run.recorder.set(&[("q".to_string(), 1.0)]).unwrap_err().to_string().contains("`q`"));
+    assert!(run.recorder.order(Some("kay"), Order::Arm).unwrap_err().to_string().contains("`key`"));
     run.recorder.set(&two(900.0, 0.5)).unwrap();
     for n in 11..=20 {
         step(&mut run, n);

@@ -27,7 +27,7 @@ pub use dll::Dll;
 pub use follow::Follow;
 #[cfg(feature = "system")]
 pub use outlet::{Outlet, Patch, outlet};
-pub use outputs::Outputs;
+pub use outputs::{NoChoice, Outputs};
 #[cfg(feature = "system")]
 pub use player::Player;
 

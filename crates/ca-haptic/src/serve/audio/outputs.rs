@@ -20,14 +20,33 @@ pub struct Outputs {
     pub asked: Option<String>,
 }
 
+/// There is no output to choose from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoChoice;
+
+impl std::fmt::Display for NoChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the sound goes to no device that could be chosen")
+    }
+}
+
+impl std::error::Error for NoChoice {}
+
+/// An answer to a request is a text.
+impl From<NoChoice> for String {
+    fn from(why: NoChoice) -> String {
+        why.to_string()
+    }
+}
+
 impl Outputs {
     /// Asks for another.
     ///
     /// # Errors
-    /// In words, where nothing can be chosen.
-    pub fn ask(&mut self, name: &str) -> Result<(), String> {
+    /// Where nothing can be chosen.
+    pub fn ask(&mut self, name: &str) -> Result<(), NoChoice> {
         if self.choices.is_empty() {
-            return Err("the sound goes to no device that could be chosen".into());
+            return Err(NoChoice);
         }
         (self.asked, self.busy, self.refused) = (Some(name.into()), true, None);
         Ok(())

@@ -3,14 +3,14 @@
 //! Decides that live parameters of a gesture are set from here, as by anybody else: the recorder alone knows what else
 //! was set, and what it sets is recorded, so that a take has the same bits however late this thread was.
 
-use super::Recorder;
+use super::{Recorder, Refused};
 use crate::engine::{EngineCommand, LONGEST, OwnGesture, Touch, Touched, lead};
 use ca_core::Scene;
 use ca_core::pointer::Pointer;
 use ca_io::gesture::{Track, own};
 
 /// No port is sent further than this \[m or N\]: no model that is played is so large, and its numbers would leave every range.
-const FURTHEST: f64 = 1e6;
+pub(super) const FURTHEST: f64 = 1e6;
 
 /// What the recorder knows of hands without a device.
 pub(super) struct Hand {
@@ -54,19 +54,19 @@ impl Recorder {
     /// A pointer holds MAT number `mass` of the scene, where it is; one that held another lets go of that.
     ///
     /// # Errors
-    /// In words, where it cannot be held, or the engine takes no order.
-    pub fn grab(&mut self, mass: usize) -> Result<(), String> {
-        let pointer = Pointer::new(&self.scene, mass).map_err(|e| e.to_string())?;
+    /// Where it cannot be held, or the engine takes no order.
+    pub fn grab(&mut self, mass: usize) -> Result<(), Refused> {
+        let pointer = Pointer::new(&self.scene, mass)?;
         self.command(EngineCommand::Touch(Touch::Grab(pointer)))
     }
 
     /// Pulls the mass that is held to a displacement from rest \[m\]; on a line the first number counts.
     ///
     /// # Errors
-    /// In words, where that is no place, or the engine takes no order.
-    pub fn drag(&mut self, to: [f64; 3]) -> Result<(), String> {
+    /// Where that is no place, or the engine takes no order.
+    pub fn drag(&mut self, to: [f64; 3]) -> Result<(), Refused> {
         if to.iter().any(|x| !x.is_finite()) {
-            return Err("a mass is pulled to a place [m]".into());
+            return Err(Refused::Place);
         }
         self.command(EngineCommand::Touch(Touch::Pull(to)))
     }
@@ -74,44 +74,40 @@ impl Recorder {
     /// Lets go of the mass that is held.
     ///
     /// # Errors
-    /// In words, where the engine takes no order.
-    pub fn release(&mut self) -> Result<(), String> {
+    /// Where the engine takes no order.
+    pub fn release(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Touch(Touch::Release))
     }
 
     /// Begins the model's own gesture, from its start, or ends it.
     ///
     /// # Errors
-    /// In words, where the model has none, or the engine takes no order.
-    pub fn gesture(&mut self, play: bool) -> Result<(), String> {
+    /// Where the model has none, or the engine takes no order.
+    pub fn gesture(&mut self, play: bool) -> Result<(), Refused> {
         if !play {
             return self.command(EngineCommand::Touch(Touch::Stop));
         }
-        let own = OwnGesture::new(&self.scene).ok_or("the model brings no gesture; give it a `[gesture]`")?;
+        let own = OwnGesture::new(&self.scene).ok_or(Refused::NoGesture)?;
         self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
     }
 
     /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
-    /// In words, where there is no such port, it is that of a device, or the engine takes no order.
-    pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), String> {
-        let all = || {
-            let names: Vec<String> = self.scene.inputs.iter().map(|i| format!("`{}`", i.name)).collect();
-            if names.is_empty() { "it has none".into() } else { format!("there is {}", names.join(", ")) }
-        };
+    /// Where there is no such port, it is that of a device, or the engine takes no order.
+    pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), Refused> {
         let Some(input) = self.scene.input(name) else {
-            return Err(format!("the model has no port `{name}`; {}", all()));
+            return Err(Refused::Port(name.into(), self.scene.inputs.iter().map(|i| i.name.clone()).collect()));
         };
         let device = self.scene.inputs[input].device.as_ref();
         if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && d.1 < s.dof)) {
-            return Err(format!("`{name}` is moved by its device, `{}`", device.0));
+            return Err(Refused::OfDevice(name.into(), device.0.clone()));
         }
         if !value.is_finite() || over.is_nan() {
-            return Err(format!("`{name}` goes to a number [m or N], in a time [s]"));
+            return Err(Refused::Value(name.into()));
         }
         if value.abs() > FURTHEST {
-            return Err(format!("`{name}` goes no further than {FURTHEST:e} [m or N]"));
+            return Err(Refused::Far(name.into()));
         }
         self.command(EngineCommand::Touch(Touch::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }

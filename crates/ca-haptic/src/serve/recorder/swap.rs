@@ -4,7 +4,7 @@
 //! says: who edits a value wants to hear it.
 
 use super::super::picture;
-use super::{Recorder, hand};
+use super::{Recorder, Refused, hand};
 use crate::engine::{EngineCommand, Setup, Swap};
 use crate::version::{self, Version};
 use ca_core::{LiveParam, Scene};
@@ -17,12 +17,12 @@ impl Recorder {
     /// Another version of the scene plays from the next gesture frame on: masses of the same name go on from where they are.
     ///
     /// # Errors
-    /// In words, where the two differ in what cannot change while it plays, or the engine takes no order.
-    pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), String> {
+    /// Where the two differ in what cannot change while it plays, or the engine takes no order.
+    pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), Refused> {
         let scene = version.scene.clone();
         let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
         if room.is_some_and(|room| room < PICTURES * picture(&scene)) {
-            return Err("it is so much larger that it needs to be started anew".into());
+            return Err(Refused::Large);
         }
         let (load, new) = (self.scene.controls(), scene.controls());
         let moved = self.controls.params().iter().zip(load.params()).filter(|(now, load)| now.value != load.value);

@@ -1,0 +1,92 @@
+//! Why an order to the engine is refused.
+
+use super::hand::FURTHEST;
+use crate::engine::FixedPart;
+use ca_core::pointer;
+use std::fmt;
+
+/// Why an order to the engine is refused; nothing has changed then.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Refused {
+    /// another version of the model is on its way: an order for one scene is not for the next
+    Swapping,
+    /// the engine has no room for another command
+    Busy,
+    /// a live parameter does not take this value
+    Param(ca_core::Refused),
+    /// no device has this name; the names that there are
+    Device(String, Vec<String>),
+    /// the mass cannot be held
+    Mass(pointer::Refused),
+    /// a place to which a mass is pulled is not finite
+    Place,
+    /// the model has no gesture
+    NoGesture,
+    /// no port has this name; the names that there are
+    Port(String, Vec<String>),
+    /// a device moves this port: its name, and the name of the device
+    OfDevice(String, String),
+    /// the value or the time of this port is not a number
+    Value(String),
+    /// the value of this port is too large
+    Far(String),
+    /// the new version is too large for the memory that was taken
+    Large,
+    /// the new version differs in what cannot change while it plays
+    Fixed(FixedPart),
+}
+
+/// Names in backquotes, with commas.
+fn listed(names: &[String]) -> String {
+    let all: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
+    all.join(", ")
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refused::Swapping => f.write_str("another version of the model is on its way; try again"),
+            Refused::Busy => f.write_str("the engine has more to do than it can take; try again"),
+            Refused::Param(why) => why.fmt(f),
+            Refused::Device(name, there) => write!(f, "no device `{name}` here; there is {}", listed(there)),
+            Refused::Mass(why) => why.fmt(f),
+            Refused::Place => f.write_str("a mass is pulled to a place [m]"),
+            Refused::NoGesture => f.write_str("the model brings no gesture; give it a `[gesture]`"),
+            Refused::Port(name, there) if there.is_empty() => write!(f, "the model has no port `{name}`; it has none"),
+            Refused::Port(name, there) => write!(f, "the model has no port `{name}`; there is {}", listed(there)),
+            Refused::OfDevice(port, device) => write!(f, "`{port}` is moved by its device, `{device}`"),
+            Refused::Value(port) => write!(f, "`{port}` goes to a number [m or N], in a time [s]"),
+            Refused::Far(port) => write!(f, "`{port}` goes no further than {FURTHEST:e} [m or N]"),
+            Refused::Large => f.write_str("it is so much larger that it needs to be started anew"),
+            Refused::Fixed(part) => part.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+impl From<ca_core::Refused> for Refused {
+    fn from(why: ca_core::Refused) -> Refused {
+        Refused::Param(why)
+    }
+}
+
+impl From<pointer::Refused> for Refused {
+    fn from(why: pointer::Refused) -> Refused {
+        Refused::Mass(why)
+    }
+}
+
+impl From<FixedPart> for Refused {
+    fn from(part: FixedPart) -> Refused {
+        Refused::Fixed(part)
+    }
+}
+
+/// An answer to a request is a text.
+impl From<Refused> for String {
+    fn from(why: Refused) -> String {
+        why.to_string()
+    }
+}
