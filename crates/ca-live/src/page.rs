@@ -11,7 +11,7 @@ use ca_haptic::serve::{Kept, Recorder, Shared, Sink};
 use ca_haptic::take::Header;
 use ca_lab::Failure;
 use ca_play::{Keep, Page, PageRequest, TapeSink};
-use ca_session::{Language as _, PageSink, Parts, Session};
+use ca_session::{Language as _, PageSink, Parts, Refused, Session};
 use ca_view::Drawing;
 use std::any::Any;
 use std::sync::Arc;
@@ -97,7 +97,7 @@ impl Desk {
     ///
     /// # Errors
     /// In words, if the model cannot be compiled again.
-    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), String> {
+    pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         self.session.change(name, value)
     }
 

@@ -125,11 +125,11 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let inputs = Inputs::open(&request.inputs, &scene, with_page, sound.events())?;
     inputs.said().into_iter().for_each(|text| recorder.say(false, text));
     if request.gesture {
-        recorder.gesture(true).map_err(Failure::Failed)?;
+        recorder.gesture(true).map_err(|why| Failure::Failed(why.to_string()))?;
     }
     let connections = Connections::open((&setups, unknown), &scene, gateway_ends, below, with_page, &**listener)?;
     if request.devices.arm {
-        recorder.order(None, Order::Arm).map_err(Failure::Failed)?;
+        recorder.order(None, Order::Arm).map_err(|why| Failure::Failed(why.to_string()))?;
     }
 
     let clock = match request.devices.pace {

@@ -8,7 +8,7 @@ use ca_core::Scene;
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_lab::play::{self, Divergence, Length, lasted};
-use ca_lab::{Failure, Loaded, load};
+use ca_lab::{Failure, Loaded};
 use ca_model::quantity::short;
 use ca_model::{Item, Value};
 use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weight};

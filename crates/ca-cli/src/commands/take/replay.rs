@@ -5,7 +5,7 @@
 
 use crate::args::ReplayArgs;
 use crate::outcome::{Ended, Failure, Outcome};
-use crate::{load, outputs, term};
+use crate::{outputs, term};
 use ca_core::ARITHMETIC;
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::sound::{Format, WavOut};
