@@ -155,6 +155,8 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
 
 /// True where two scenes run the same passes on the same numbers.
 fn same(a: &Scene, b: &Scene) -> bool {
-    let names = |s: &Scene| s.passes.forces.iter().chain(&s.passes.moves).map(|o| o.name()).collect::<Vec<_>>();
+    let names = |s: &Scene| {
+        s.passes.forces.iter().chain(&s.passes.moves).map(ca_core::internal::op::Op::name).collect::<Vec<_>>()
+    };
     a.state() == b.state() && names(a) == names(b)
 }

@@ -66,7 +66,7 @@ impl Connections {
         if names.is_empty() && scene.live.params.is_empty() && !page {
             return Ok(talk);
         }
-        let site = Site::of_user().map_err(host_failure)?;
+        let site = Site::of_user().map_err(|e| host_failure(&e))?;
         if !names.is_empty() {
             site.sweep();
         }
@@ -80,12 +80,12 @@ impl Connections {
                 };
                 listener.note(&format!("{verbs} do not reach this one, its page does: {}", e.what));
             }
-            Err(e) => return Err(host_failure(e)),
+            Err(e) => return Err(host_failure(&e)),
         }
         if !names.is_empty() {
             let rings = Rings { incoming: ends.frames, outgoing: ends.forces, events: tell };
             let after = if talk.control.is_some() { Duration::ZERO } else { SECOND };
-            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after).map_err(host_failure)?);
+            talk.gateway = Some(Gateway::start(&site, &names, rings, request, after).map_err(|e| host_failure(&e))?);
         }
         talk.site = Some(site);
         Ok(talk)

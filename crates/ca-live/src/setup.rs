@@ -67,14 +67,14 @@ pub(crate) fn setups(
 fn failure(e: ToolError) -> Failure {
     match e {
         ToolError::Usage(what) => Failure::Usage(what),
-        ToolError::Host(e) => host_failure(e),
+        ToolError::Host(e) => host_failure(&e),
         ToolError::File(e) => e.into(),
         ToolError::Failed(what) => Failure::Failed(what),
     }
 }
 
 /// The failure that an error of shared memory is.
-pub(crate) fn host_failure(e: HostError) -> Failure {
+pub(crate) fn host_failure(e: &HostError) -> Failure {
     match e.kind {
         HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
         _ => Failure::Failed(e.to_string()),

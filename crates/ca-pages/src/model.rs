@@ -118,7 +118,7 @@ impl<'a> ModelPage<'a> {
         let mut sound = Sound::new(scene.rate, &scene.names.channel_names);
         let mut motion = Envelope::new(scene.rate, scene.counts.n_out - scene.counts.channels);
         let mut ledger = EnergyOverTime::default();
-        let mut film = Film::new(&scene, seconds);
+        let mut film = Film::new(scene, seconds);
         // often enough for a picture that does not jerk
         let block = (frames / LOOKS).clamp(1, (scene.rate / PICTURE).max(1.0) as u64).min(1024);
         let played = play::play(performance, length, block, &mut |p, rows, done| {

@@ -74,7 +74,7 @@ impl Midi {
                     Ok(())
                 }
             };
-            complain(recorder, done.map_err(Refused::from));
+            complain(recorder, done);
         }
     }
 

@@ -172,7 +172,7 @@ impl TakeWriter {
             }
             Record::Retired { tick, retired: Retired::State(ref old) } => {
                 self.tick = tick;
-                let [places, coefs] = shape(&old).map(|n| n as u32);
+                let [places, coefs] = shape(old).map(|n| n as u32);
                 cdr::body(&mut self.data, &Reloaded { tick, bits: old.bits(), places, coefs });
                 self.put(self.ids.reload, tick)?;
                 self.log(tick, Level::Info, "scene", "put back to its state at load")
