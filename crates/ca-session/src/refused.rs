@@ -10,7 +10,7 @@ use std::fmt;
 pub enum Refused {
     /// the engine does not take the order
     Engine(serve::Refused),
-    /// there is no output to choose from
+    /// outputs cannot be chosen
     Output(NoChoice),
     /// the request does not have the form that it needs, or comes at the wrong time
     Form(&'static str),

@@ -14,6 +14,7 @@ pub mod record;
 pub mod rows;
 pub mod small;
 
+use crate::error::Error;
 use alone::slots;
 use ca_core::internal::op::layout::{MeasureKind, Tap};
 use ca_core::internal::op::{Integrate, Op, SolveStage};
@@ -103,12 +104,12 @@ fn basis(op: &Op) -> Option<Basis> {
 }
 
 /// Why a scene has no reverse mode.
-pub fn no(what: &str) -> String {
-    format!("no reverse mode of this scene: {what}; ask for forward mode")
+pub fn no(what: &str) -> Error {
+    Error::refused(format!("no reverse mode of this scene: {what}; ask for forward mode"))
 }
 
 /// That it has a pass which reverse mode does not know.
-pub fn unknown(op: &Op) -> String {
+pub fn unknown(op: &Op) -> Error {
     no(&format!("it has the pass `{}`", op.name()))
 }
 
@@ -120,7 +121,7 @@ fn coefficients(op: &Op) -> Option<std::ops::Range<usize>> {
 
 impl Parts {
     /// The parts of a scene, or the pass that reverse mode does not know.
-    pub fn of(scene: &Scene) -> Result<Parts, String> {
+    pub fn of(scene: &Scene) -> Result<Parts, Error> {
         let pass = unknown;
         if scene.oversample() > 1 {
             return Err(no("its samples have several ticks"));

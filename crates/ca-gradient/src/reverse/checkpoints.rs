@@ -91,7 +91,7 @@ impl Kept {
         let mut p = Performance::new(scene, gesture)?;
         known(scene, &p)?;
         if let Some(port) = reverse.starting_port(&p) {
-            return Err(Error::Refused(no(&format!("where the port `{port}` is at load is part of the start"))));
+            return Err(no(&format!("where the port `{port}` is at load is part of the start")));
         }
         let (inputs, stretch) = (scene.inputs.len(), stretch(frames));
         let mut kept = Kept { frames, stretch, states: Vec::new(), coef: None, given: zeros(frames, inputs, 1)? };

@@ -80,16 +80,16 @@ impl Reverse {
         let (forward, dual) = Forward::begun(loaded, &options, wrt)?;
         let dual = over_dual(&dual)?;
         let (scene, parameters) = forward.into_parts();
-        let parts = Parts::of(&scene).map_err(Error::Refused)?;
+        let parts = Parts::of(&scene)?;
         let Numbers { place, count, derivatives: all } = Numbers::new(loaded, &options, &parameters)?;
         let needed: Vec<bool> = (0..count).map(|i| all.iter().any(|d| d[i] != 0.0)).collect();
         let reverse = Reverse { dual, parameters, derivatives: all, ports: ports(&scene), parts, place, needed, scene };
-        reverse.check().map_err(Error::Refused)?;
+        reverse.check()?;
         Ok(reverse)
     }
 
     /// Refuses what a parameter changes and no way back leads to.
-    fn check(&self) -> Result<(), String> {
+    fn check(&self) -> Result<(), Error> {
         let mut place = self.place.layout.clone();
         let coef = &self.place.initial.coef;
         let mut wanted: Vec<(f64, &str)> = Vec::new();
@@ -105,7 +105,9 @@ impl Reverse {
             wanted.extend(at.map(|v| (v, "where a point is on a string or a skin")));
         }
         match wanted.into_iter().find(|(v, _)| self.needed[number(*v)]) {
-            Some((_, what)) => Err(format!("no reverse mode: a parameter changes {what}; ask for forward mode")),
+            Some((_, what)) => {
+                Err(Error::refused(format!("no reverse mode: a parameter changes {what}; ask for forward mode")))
+            }
             None => Ok(()),
         }
     }
@@ -221,8 +223,7 @@ impl Reverse {
         let scene = &self.scene;
         let (inputs, outputs, stretch) = (scene.inputs.len(), scene.counts.n_out.max(1), kept.stretch);
         let (frames, given) = (kept.frames, &kept.given);
-        let back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed);
-        let mut back = back.map_err(Error::Refused)?;
+        let mut back = Adjoint::new(scene, &self.parts, &self.dual, &self.place, &self.needed)?;
         let adjoint = back.outputs.before_low_pass(cotangent);
         let ports = self.ports.len();
         let mut by_inputs = vec![0.0; frames * ports];

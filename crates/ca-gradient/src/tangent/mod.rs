@@ -126,7 +126,7 @@ impl Tangent {
         let gains = Gains::new(scene, place, &columns);
         let one = |link: &Link| {
             let found = Moving::new(scene, link, &self.dual, place, &columns, TICKS);
-            found.ok_or_else(|| Error::Refused(unknown(&scene.passes.forces[link.op()])))
+            found.ok_or_else(|| unknown(&scene.passes.forces[link.op()]))
         };
         let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
         let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);

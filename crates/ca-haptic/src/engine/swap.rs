@@ -118,7 +118,7 @@ impl Swap {
     /// From `old` to `scene`, which begins in `state` but where masses of the same name go on; `anew` none does.
     ///
     /// # Errors
-    /// Where the two differ in what cannot change while it plays.
+    /// If the two differ in what cannot change while it plays.
     pub fn new(
         old: &Scene,
         scene: Arc<Scene>,

@@ -293,7 +293,7 @@ impl Recorder {
     /// Asks for a [`Record::Marked`], which comes after the records of everything that was asked before.
     ///
     /// # Errors
-    /// Where the engine takes no command.
+    /// If the engine takes no command.
     pub fn mark(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Mark)
     }
@@ -306,7 +306,7 @@ impl Recorder {
     /// Arms or disarms a device, or all. A model that diverged is loaded again first.
     ///
     /// # Errors
-    /// Where there is no such device or the engine takes no order.
+    /// If there is no such device or the engine takes no order.
     pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), Refused> {
         let which = match device {
             None => None,
@@ -332,7 +332,7 @@ impl Recorder {
     /// Device number `which` is what `setup` says from the next gesture frame on.
     ///
     /// # Errors
-    /// Where the engine takes no order.
+    /// If the engine takes no order.
     pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), Refused> {
         self.command(EngineCommand::Refit(Box::new(Refit::new(&self.scene, which, setup))))
     }
@@ -340,7 +340,7 @@ impl Recorder {
     /// The scene as at load, with all parameters as at load, and forces off.
     ///
     /// # Errors
-    /// Where the engine takes no order.
+    /// If the engine takes no order.
     pub fn reload(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Reload(Box::new(self.scene.state())))?;
         self.controls = self.scene.controls();

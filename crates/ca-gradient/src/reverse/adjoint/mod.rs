@@ -12,6 +12,7 @@
 
 mod end;
 
+use crate::error::Error;
 use crate::parts::record::{Record, Row, whole_lines};
 use crate::parts::rows::Rows;
 use crate::parts::small::Small;
@@ -85,7 +86,7 @@ impl<'a> Adjoint<'a> {
         dual: &Scene<Dual>,
         place: &'a Scene,
         needed: &[bool],
-    ) -> Result<Adjoint<'a>, String> {
+    ) -> Result<Adjoint<'a>, Error> {
         let mut layout = scene.layout.clone();
         layout.links.e0.fill(0.0);
         let mut a = scene.state();

@@ -20,7 +20,7 @@ pub struct Outputs {
     pub asked: Option<String>,
 }
 
-/// There is no output to choose from.
+/// Outputs cannot be chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoChoice;
 
@@ -43,7 +43,7 @@ impl Outputs {
     /// Asks for another.
     ///
     /// # Errors
-    /// Where nothing can be chosen.
+    /// If nothing can be chosen.
     pub fn ask(&mut self, name: &str) -> Result<(), NoChoice> {
         if self.choices.is_empty() {
             return Err(NoChoice);

@@ -54,7 +54,7 @@ impl Recorder {
     /// A pointer holds MAT number `mass` of the scene, where it is; one that held another lets go of that.
     ///
     /// # Errors
-    /// Where it cannot be held, or the engine takes no order.
+    /// If it cannot be held, or the engine takes no order.
     pub fn grab(&mut self, mass: usize) -> Result<(), Refused> {
         let pointer = Pointer::new(&self.scene, mass)?;
         self.command(EngineCommand::Touch(Touch::Grab(pointer)))
@@ -63,7 +63,7 @@ impl Recorder {
     /// Pulls the mass that is held to a displacement from rest \[m\]; on a line the first number counts.
     ///
     /// # Errors
-    /// Where that is no place, or the engine takes no order.
+    /// If that is no place, or the engine takes no order.
     pub fn drag(&mut self, to: [f64; 3]) -> Result<(), Refused> {
         if to.iter().any(|x| !x.is_finite()) {
             return Err(Refused::Place);
@@ -74,7 +74,7 @@ impl Recorder {
     /// Lets go of the mass that is held.
     ///
     /// # Errors
-    /// Where the engine takes no order.
+    /// If the engine takes no order.
     pub fn release(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Touch(Touch::Release))
     }
@@ -82,7 +82,7 @@ impl Recorder {
     /// Begins the model's own gesture, from its start, or ends it.
     ///
     /// # Errors
-    /// Where the model has none, or the engine takes no order.
+    /// If the model has none, or the engine takes no order.
     pub fn gesture(&mut self, play: bool) -> Result<(), Refused> {
         if !play {
             return self.command(EngineCommand::Touch(Touch::Stop));
@@ -94,7 +94,7 @@ impl Recorder {
     /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
-    /// Where there is no such port, it is that of a device, or the engine takes no order.
+    /// If there is no such port, it is that of a device, or the engine takes no order.
     pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), Refused> {
         let Some(input) = self.scene.input(name) else {
             return Err(Refused::Port(name.into(), self.scene.inputs.iter().map(|i| i.name.clone()).collect()));

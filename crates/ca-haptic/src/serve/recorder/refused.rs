@@ -11,19 +11,19 @@ use std::fmt;
 pub enum Refused {
     /// another version of the model is on its way: an order for one scene is not for the next
     Swapping,
-    /// the engine has no room for another command
+    /// the ring of commands to the engine is full
     Busy,
     /// a live parameter does not take this value
     Param(ca_core::Refused),
-    /// no device has this name; the names that there are
+    /// a device of this name is not there; the names that are
     Device(String, Vec<String>),
     /// the mass cannot be held
     Mass(pointer::Refused),
     /// a place to which a mass is pulled is not finite
     Place,
-    /// the model has no gesture
+    /// the model lacks a gesture
     NoGesture,
-    /// no port has this name; the names that there are
+    /// a port of this name is not there; the names that are
     Port(String, Vec<String>),
     /// a device moves this port: its name, and the name of the device
     OfDevice(String, String),

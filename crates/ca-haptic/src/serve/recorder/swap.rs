@@ -17,7 +17,7 @@ impl Recorder {
     /// Another version of the scene plays from the next gesture frame on: masses of the same name go on from where they are.
     ///
     /// # Errors
-    /// Where the two differ in what cannot change while it plays, or the engine takes no order.
+    /// If the two differ in what cannot change while it plays, or the engine takes no order.
     pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), Refused> {
         let scene = version.scene.clone();
         let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
