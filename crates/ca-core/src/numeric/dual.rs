@@ -73,14 +73,6 @@ impl Dual {
     pub fn tangents_mut(&mut self) -> &mut [f64] {
         &mut self.all[1..]
     }
-
-    /// `value`, with the tangents of this one by `slope`.
-    #[inline(always)]
-    fn chain(self, value: f64, slope: f64) -> Dual {
-        let mut all = each(|k| slope * self.all[k]);
-        all[0] = value;
-        Dual { all }
-    }
 }
 
 impl Real for Dual {
@@ -107,6 +99,12 @@ impl Real for Dual {
     #[inline(always)]
     fn inner(v: Dual) -> Dual {
         v
+    }
+    #[inline(always)]
+    fn chain(self, value: f64, slope: f64) -> Dual {
+        let mut all = each(|k| slope * self.all[k]);
+        all[0] = value;
+        Dual { all }
     }
     /// Of 0 with tangents 0.
     #[inline(always)]

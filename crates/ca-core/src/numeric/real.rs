@@ -75,6 +75,14 @@ pub trait Real:
     fn outer(self) -> Self::Outer;
     /// From an output, with its derivatives.
     fn inner(v: Self::Outer) -> Self;
+    /// A function of this number, by its value and its slope here. So a law takes any function of `libm`, whose bits are the same
+    /// on every processor: `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
+    #[must_use]
+    fn chain(self, value: f64, slope: f64) -> Self;
+    /// A function of this number, by its value and its slope here. So a law takes any function of `libm`, whose bits are the same
+    /// on every processor: `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
+    #[must_use]
+    fn chain(self, value: f64, slope: f64) -> Self;
     /// The square root.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -139,6 +147,11 @@ macro_rules! plain {
                 #[allow(clippy::unnecessary_cast, reason = "one of both is f64")]
                 fn inner(v: f64) -> $number {
                     v as $number
+                }
+                #[inline(always)]
+                #[allow(clippy::unnecessary_cast, reason = "one of both is f64")]
+                fn chain(self, value: f64, _: f64) -> $number {
+                    value as $number
                 }
                 #[inline(always)]
                 fn sqrt(self) -> $number {

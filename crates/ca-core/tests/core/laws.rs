@@ -3,7 +3,7 @@
 
 use crate::numbers;
 use ca_core::internal::op::{SolveStage, family, loaded, started};
-use ca_core::{Kind, Law, Need, ParamBinding, Role, Table, Type};
+use ca_core::{Dual, Kind, Law, Need, ParamBinding, Real, Role, TANGENTS, Table, Type};
 
 const DT: f64 = 1.0 / 48_000.0;
 
@@ -206,4 +206,18 @@ fn functions_of_every_law_are_found_by_its_code() {
     }
     check(&ca_core::internal::phi::implicit::LAW);
     assert!(met.len() > 30, "{met:?}");
+}
+
+/// A law takes any function of `libm`, over every number of a tick.
+#[test]
+fn a_function_of_libm_has_its_value_and_its_derivatives() {
+    fn log1p<R: Real>(e: R) -> R {
+        let x = e.wide();
+        e.chain(libm::log1p(x), 1.0 / (1.0 + x))
+    }
+    let tangents: [f64; TANGENTS] = std::array::from_fn(|k| k as f64 - 2.0);
+    let of = log1p(Dual::new(0.25, tangents));
+    assert_eq!((of.value(), log1p(0.25)), (libm::log1p(0.25), libm::log1p(0.25)));
+    assert_eq!(*of.tangents(), tangents.map(|t| t / 1.25));
+    assert_eq!(log1p(0.25_f32), libm::log1p(0.25) as f32);
 }
