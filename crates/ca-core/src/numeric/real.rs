@@ -79,10 +79,6 @@ pub trait Real:
     /// on every processor: `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
     #[must_use]
     fn chain(self, value: f64, slope: f64) -> Self;
-    /// A function of this number, by its value and its slope here. So a law takes any function of `libm`, whose bits are the same
-    /// on every processor: `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
-    #[must_use]
-    fn chain(self, value: f64, slope: f64) -> Self;
     /// The square root.
     #[must_use]
     fn sqrt(self) -> Self;
