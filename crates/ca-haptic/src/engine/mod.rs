@@ -17,6 +17,7 @@ mod swap;
 pub(crate) mod tests;
 mod touch;
 
+#[cfg(feature = "system")]
 pub(crate) use mean_force::is_slower;
 pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
