@@ -4,8 +4,8 @@
 //! the messages, and the result is a [`Report`]. Nothing is printed here, and nothing ends the process.
 //!
 //! The engine thread computes, the gateway thread moves frames between shared memory and rings, and threads of files write. The
-//! calling thread does everything else that may take time. A model without devices has no gateway and no shared memory; one
-//! without live parameters and a page has no control.
+//! calling thread does everything else that may take time. A model with devices alone gets a gateway and
+//! shared memory; a model with live parameters, or a page, gets a control.
 #![forbid(unsafe_code)]
 
 mod compiler;

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How long a terminal that stands still is waited for at the end.
+/// Longest wait at the end for a terminal that stands still.
 const TERMINAL: Duration = Duration::from_secs(1);
 
 /// Refuses to write the sound of a performance to a file with another ending than `.wav`, and to standard output, which has the

@@ -25,7 +25,7 @@ pub(crate) struct Opening<'a> {
     pub(crate) request: &'a Request,
     pub(crate) scene: &'a Arc<Scene>,
     pub(crate) options: &'a Options,
-    /// of a take, if the performance writes none and has no device
+    /// the header of a take, for a performance without devices that writes none
     pub(crate) header: Option<Header>,
 }
 

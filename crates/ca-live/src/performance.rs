@@ -36,9 +36,9 @@ const SWEEP: u64 = 250;
 const PICTURES: u32 = 60;
 /// Places of the largest scene whose state is hashed every second.
 const HASHED: usize = 10_000;
-/// How long the engine waits for a device that sets the pace \[ns\].
+/// Longest wait of the engine for a device that sets the pace \[ns\].
 const PATIENCE: u64 = 100_000_000;
-/// Share of the cores that this thread and those of files ask for: twelve times the share of another program.
+/// Nice value of this thread and the threads of files: they get twelve times the processor time of another program.
 const NICE: i8 = -11;
 
 /// A model that is compiled for the devices it meets.

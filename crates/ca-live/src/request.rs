@@ -22,7 +22,7 @@ pub struct ModelSource {
     pub read: Reader,
     /// parameters that are set in it, as by `--set`
     pub changes: Vec<(String, String)>,
-    /// sound rate \[Hz\]; that of the model if none
+    /// sound rate \[Hz\]; the rate of the model if none
     pub rate: Option<f64>,
 }
 
@@ -147,7 +147,7 @@ pub trait Listener: Send + Sync {
     /// The warnings about the model.
     fn findings(&self, findings: &Diags, model: &Model);
 
-    /// How the performance goes; a quiet program leaves this out.
+    /// The course of the performance; a quiet program leaves this out.
     fn progress(&self, text: &str);
 
     /// From here on `stop` of `shared` ends the performance. Files are written after this call.

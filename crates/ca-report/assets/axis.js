@@ -27,7 +27,7 @@ class Axis {
     [this.low, this.high] = [low, high];
   }
 
-  // the pixels at both ends; those of an axis up go down
+  // the pixels at both ends; along an axis up they go down
   place(from, to) {
     [this.from, this.to] = [from, to];
   }

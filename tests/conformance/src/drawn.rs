@@ -199,7 +199,7 @@ impl Loaded {
     /// The first link of a scene.
     ///
     /// # Panics
-    /// If it has no link.
+    /// If it does not have one.
     pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
         let op = scene.passes.forces.iter().find(|o| o.law.is_some()).expect("a link");

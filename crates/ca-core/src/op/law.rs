@@ -1,6 +1,6 @@
 //! A law as data, and its functions in a tick.
 //!
-//! Decides that what the compiler asks of a law and what a tick runs are two records: the second is made anew for each number that a
+//! The compiler and a tick have a record each of a law: that of the tick is made anew for each number that a
 //! scene is bound to.
 
 use super::{Energies, Form, Kernel};
@@ -8,7 +8,7 @@ use crate::law::{Bound, Force, Idle, Start, Steepest};
 use crate::numeric::{Real, Table};
 use alloc::vec::Vec;
 
-/// What the compiler calls of a law.
+/// The functions of a law that the compiler calls.
 #[derive(Clone, Copy)]
 pub struct LoadFns {
     /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
@@ -122,7 +122,7 @@ impl SolveStage {
     }
 }
 
-/// What is known of a parameter when a law is specialised.
+/// The value of a parameter, as far as it is known when a law is specialised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParamBinding {
     /// not written

@@ -24,7 +24,7 @@ pub struct Passes<R: Real = f64> {
     pub sorted: bool,
 }
 
-/// What the outputs of a scene are called.
+/// The names of the outputs of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutputNames {
     /// names of the sound channels (channels)
@@ -36,7 +36,7 @@ pub struct OutputNames {
     pub probe_of: Vec<u32>,
 }
 
-/// What the author of a model says of it, and what the compiler made of that.
+/// The words of the author about a model, and the notes of the compiler.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     /// title of the model
@@ -49,7 +49,7 @@ pub struct About {
     pub left_out: Vec<String>,
 }
 
-/// How a model is in the hand.
+/// A model in the hand.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InHand {
     /// how large and heavy the model is in the hand

@@ -46,7 +46,7 @@ pub struct Extremes {
 pub struct GroupAccount<R: Real = f64> {
     /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
     pub border: R::Outer,
-    /// what these groups hold and lose by a ledger of their own, up to the last frame
+    /// energy that these groups hold and lose by a separate ledger, up to the last frame
     pub slow: Balance<R>,
 }
 

@@ -4,7 +4,7 @@ use super::{ActiveContacts, Border, Cell};
 use crate::numeric::{Aligned, Real, VerletList};
 use alloc::vec::Vec;
 
-/// What links, and the moving points that they hold, keep from tick to tick or hand on within one.
+/// Numbers that links and their moving points keep from tick to tick, or hand on within one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LinkState<R: Real = f64> {
     /// memory of laws, then of waves (n_mem); written by `forces`, waves that leave by `moves`
@@ -25,7 +25,7 @@ pub struct LinkState<R: Real = f64> {
     pub touches: ActiveContacts<R>,
 }
 
-/// What ports and the filters of outputs keep.
+/// Numbers that ports and the filters of outputs keep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PortState<R: Real = f64> {
     /// the last good value of each input (inputs); written by `reads`

@@ -1,9 +1,9 @@
-//! What makes no sense in a profile, or in what a device says of itself.
+//! Contradictions in a profile, or in the description that a device gives.
 
 use crate::frame::DOF;
 use std::fmt;
 
-/// What makes no sense in a profile, or in what a device says of itself.
+/// Contradictions in a profile, or in the description that a device gives.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProfileFault {

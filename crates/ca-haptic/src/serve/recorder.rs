@@ -306,7 +306,7 @@ impl Recorder {
     /// Arms or disarms a device, or all. A model that diverged is loaded again first.
     ///
     /// # Errors
-    /// If there is no such device or the engine takes no order.
+    /// If the device does not exist, or the engine does not take orders.
     pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), Refused> {
         let which = match device {
             None => None,

@@ -1,6 +1,6 @@
 //! The arrays of a layout, in groups.
 //!
-//! Decides that a group is a plain structure in the layout, so that a pass reads a number of it as it would read one of the layout,
+//! A group is a plain structure in the layout, so that a pass reads its numbers like the numbers of the layout,
 //! and that fields keep the order in which a plan holds them.
 
 use super::{
@@ -29,7 +29,7 @@ pub struct Rates<R: Real = f64> {
     pub substeps: Option<Substeps<R>>,
 }
 
-/// How much there is of each: the lengths of the arrays of a state.
+/// The lengths of the arrays of a state.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
@@ -51,7 +51,7 @@ pub struct Counts {
     pub n_out: usize,
 }
 
-/// What links join, and how they measure.
+/// The ends of links, and their measures.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct LinkArrays<R: Real = f64> {
@@ -72,7 +72,7 @@ pub struct LinkArrays<R: Real = f64> {
     pub e0: Vec<R>,
 }
 
-/// Where MATs are at rest, and those that follow others: moving points, and masses that go by their modes.
+/// The places of MATs at rest, and the MATs that follow others: moving points, and masses that go by their modes.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Places<R: Real = f64> {
@@ -110,7 +110,7 @@ pub struct PortArrays<R: Real = f64> {
     pub crossing: Crossing,
 }
 
-/// What is heard, and its filters.
+/// The outputs and their filters.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct OutputArrays<R: Real = f64> {
@@ -119,7 +119,7 @@ pub struct OutputArrays<R: Real = f64> {
     pub heard: Vec<HeardLink<R>>,
     /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
     pub outputs: Vec<Output>,
-    /// how many of them hear motion: as it is, and through a high pass. A list of their own, so that the others need not be asked
+    /// how many of them hear motion: as it is, and through a high pass. A separate list, so that the others need not be asked
     pub of_motion: [usize; 2],
     /// channels with outputs as they are, where one has so many that they are summed in lanes
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)

@@ -63,7 +63,7 @@ impl Recorder {
     /// Pulls the mass that is held to a displacement from rest \[m\]; on a line the first number counts.
     ///
     /// # Errors
-    /// If that is no place, or the engine takes no order.
+    /// If that is not a place, or the engine does not take orders.
     pub fn drag(&mut self, to: [f64; 3]) -> Result<(), Refused> {
         if to.iter().any(|x| !x.is_finite()) {
             return Err(Refused::Place);
@@ -94,7 +94,7 @@ impl Recorder {
     /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
     ///
     /// # Errors
-    /// If there is no such port, it is that of a device, or the engine takes no order.
+    /// If the port does not exist or belongs to a device, or the engine does not take orders.
     pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), Refused> {
         let Some(input) = self.scene.input(name) else {
             return Err(Refused::Port(name.into(), self.scene.inputs.iter().map(|i| i.name.clone()).collect()));
