@@ -72,7 +72,7 @@ class Axis {
     const ticks = [];
     for (let n = Math.ceil(this.low / step - 1e-9); n * step <= this.high + 1e-9 * step; n++) ticks.push(n * step);
     const large = Math.max(Math.abs(this.low), Math.abs(this.high));
-    const text = v => v !== 0 && (large < 1e-3 || large >= 1e7) ? plain(v) : String(+v.toFixed(digits));
+    const text = v => v !== 0 && (large < 1e-3 || large >= 1e7) ? (+v.toPrecision(6)).toExponential() : String(+v.toFixed(digits));
     return ticks.map(t => [t, text(t)]);
   }
 

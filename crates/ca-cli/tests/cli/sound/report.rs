@@ -230,7 +230,7 @@ fn no_word_of_a_model_becomes_markup() {
     desk.ca(&["report", "bad & <b>.ca.toml", "-o", "e.html"]).is(0);
     let page = Page::of(&desk, "e.html");
     page.says(&["bad &amp; &lt;b&gt;.ca.toml", "&lt;/title&gt;"]);
-    assert_eq!((page.html.matches("<script").count(), page.html.matches("<img src='").count()), (4, 0));
+    assert_eq!((page.html.matches("<script").count(), page.html.matches("<img src='").count()), (5, 0));
     browse(&desk, &["e.html"]);
 }
 
@@ -306,15 +306,18 @@ fn a_page_is_drawn_without_a_request() {
     }
 }
 
-/// Ticks of an axis of few decades are 1, 2 and 5 of each, and say so.
+/// Ticks of an axis of few decades are 1, 2 and 5 of each, those of other axes are multiples of such a step, and all say so.
 #[test]
 fn a_tick_says_what_it_stands_for() {
     let desk = Desk::new();
-    let script = include_str!("../../../../ca-report/assets/report.js");
-    let functions = &script[script.find("  const exponent").unwrap()..script.find("  const name =").unwrap()];
-    desk.put("ticks.html", &format!("<meta charset=utf-8><script>{functions};document.title = logTicks(1e-13, 1e-11).map(exponent).join()</script>"));
+    let script = include_str!("../../../../ca-report/assets/axis.js");
+    let ticks = "const ticks = (log, low, high) => { const a = new Axis({ label: '', unit: '', log }); a.show(low, high); return a.ticks(5).map(t => t[1]).join(); };";
+    let title = "[ticks(true, 1e-13, 1e-11), ticks(false, -0.04, 1), ticks(false, 1.2345, 1.2349), ticks(false, 0, 4e-7)].join('; ')";
+    desk.put("ticks.html", &format!("<meta charset=utf-8><script>{script};{ticks}document.title = {title}</script>"));
     let Some(dom) = dom(&desk, "ticks.html") else { return };
-    assert!(dom.contains("10⁻¹³,2·10⁻¹³,5·10⁻¹³,10⁻¹²,2·10⁻¹²,5·10⁻¹²,10⁻¹¹"), "{dom}");
+    let decades = "10⁻¹³,2·10⁻¹³,5·10⁻¹³,10⁻¹²,2·10⁻¹²,5·10⁻¹²,10⁻¹¹";
+    let want = format!("{decades}; 0,0.5,1; 1.2345,1.2346,1.2347,1.2348,1.2349; 0,1e-7,2e-7,3e-7,4e-7");
+    assert!(dom.contains(&want), "{dom}");
 }
 
 /// The document as Chromium leaves it; `None` without Chromium.
