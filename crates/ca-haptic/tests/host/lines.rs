@@ -370,6 +370,8 @@ fn a_device_is_claimed_when_it_speaks_and_is_kept() {
         std::thread::sleep(Duration::from_millis(1));
         to_second.pop().is_ok()
     });
-    assert!(told_second.try_iter().any(|e| matches!(e, (0, Event::Here { .. }))));
+    let here = |e| matches!(e, (0, Event::Here { .. }));
+    // the gateway tells of it beside the frames
+    until("it is told so", || told_second.try_iter().any(here));
     drop(second);
 }

@@ -17,7 +17,7 @@ BAR = '[CEL]\nbar = { m = "1 g", f = "220 Hz", t60 = "2 s", dx0 = "1 mm" }\n[SOX
 
 LIVE = (
     '[param]\nk = { value = 900, unit = "N/m", min = 100, max = 2000, live = true, doc = "stiffness" }\n[MAS]\na = { m = "1 g" }\n'
-    '[SOL]\ng = {}\n[REF]\nr = { from = "g", to = "a", k = "$k", z = "0.1 N s/m" }\n[SOX]\nout = { from = "a" }\n'
+    '[SOL]\ng = {}\n[REF]\nr = { between = ["g", "a"], k = "k", z = "0.1 N s/m" }\n[SOX]\nout = { from = "a" }\n'
 )
 
 
