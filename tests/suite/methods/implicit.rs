@@ -271,7 +271,7 @@ fn a_group_has_a_method() {
                 along = \"z\", method = \"ca\" }\n[SOX]\nout = { from = \"a.c\", along = \"x\" }\n";
     let scene = scene(text);
     assert_eq!(scene.certificate.level, Level::Proven);
-    let codes: Vec<_> = scene.passes.forces.iter().map(|o| o.name()).collect();
+    let codes: Vec<_> = scene.passes.forces.iter().map(ca_core::internal::op::Op::name).collect();
     assert_eq!(codes, ["RES", "REF implicit", "REF implicit", "implicit"]);
     let network = ca_compile::linear(&crate::play::model(text), &catalog(), &ca_compile::Options::default());
     let network = network.expect("it compiles");

@@ -216,7 +216,7 @@ fn two_ways_to_write_it() {
 /// The passes of a model that goes by it, and of one that does not.
 #[test]
 fn only_who_asks_has_it() {
-    let names = |text: &str| scene(text).passes.moves.iter().map(|o| o.name()).collect::<Vec<_>>();
+    let names = |text: &str| scene(text).passes.moves.iter().map(ca_core::internal::op::Op::name).collect::<Vec<_>>();
     let [text, _] = oscillators(1.0);
     let all = names(&text);
     let count = |name: &str| all.iter().filter(|n| **n == name).count();

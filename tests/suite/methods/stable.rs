@@ -41,7 +41,7 @@ pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: im
 }
 
 pub fn ran(scene: &Scene) -> Vec<&'static str> {
-    scene.passes.forces.iter().map(|o| o.name()).collect()
+    scene.passes.forces.iter().map(ca_core::internal::op::Op::name).collect()
 }
 
 /// A mass between two walls, T = 1, a = k.

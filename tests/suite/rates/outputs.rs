@@ -170,7 +170,7 @@ fn several_ears_and_forces_have_a_high_pass_each() {
 fn what_is_not_asked_for_is_not_there() {
     let (plain, off) = (wire("", ""), wire("", ", dc = 0"));
     for s in [&plain, &off] {
-        assert_eq!(s.passes.writes.iter().map(|o| o.name()).collect::<Vec<_>>(), ["outputs"]);
+        assert_eq!(s.passes.writes.iter().map(ca_core::internal::op::Op::name).collect::<Vec<_>>(), ["outputs"]);
         let state = s.state();
         assert!(
             state.ports.blocked.is_empty()

@@ -8,7 +8,7 @@ fn passes(s: &Scene) -> Vec<&'static str> {
     [&s.passes.reads[..], s.passes.summed(), &s.passes.writes, &s.passes.moves]
         .into_iter()
         .flatten()
-        .map(|o| o.name())
+        .map(ca_core::internal::op::Op::name)
         .collect()
 }
 

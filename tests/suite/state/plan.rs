@@ -38,7 +38,7 @@ fn same(name: &str, scene: &Scene) {
     assert_eq!(again.state(), scene.state(), "{name}");
     assert_eq!(again.certificate, scene.certificate, "{name}");
     assert_eq!((&again.symbols, &again.inputs), (&scene.symbols, &scene.inputs), "{name}");
-    assert_eq!((same_since(&again), again.passes.fused), (same_since(&scene), scene.passes.fused), "{name}");
+    assert_eq!((same_since(&again), again.passes.fused), (same_since(scene), scene.passes.fused), "{name}");
     let (a, b) = (play(scene, scene.state(), TICKS), play(&again, again.state(), TICKS));
     assert!(a.0 == b.0, "{name} sounds otherwise");
     assert_eq!(a.1.bits(), b.1.bits(), "{name}");

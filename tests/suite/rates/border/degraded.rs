@@ -73,7 +73,13 @@ fn latency_is_the_same_later_in_every_bit() {
 fn without_latency_there_is_no_trace_of_it() {
     let (a, b) = (still(""), still("latency = 0"));
     let passes = |s: &Scene| {
-        s.passes.reads.iter().chain(&s.passes.forces).chain(&s.passes.writes).map(|o| o.name()).collect::<Vec<_>>()
+        s.passes
+            .reads
+            .iter()
+            .chain(&s.passes.forces)
+            .chain(&s.passes.writes)
+            .map(ca_core::internal::op::Op::name)
+            .collect::<Vec<_>>()
     };
     assert_eq!(passes(&a), passes(&b));
     assert!(a.state().ports.late.is_empty());

@@ -312,7 +312,7 @@ fn it_is_part_of_the_state() {
 
 fn passes(scene: &Scene) -> Vec<&'static str> {
     let all: [&[Op]; 4] = [&scene.passes.reads, scene.passes.summed(), &scene.passes.writes, &scene.passes.moves];
-    all.into_iter().flatten().map(|o| o.name()).collect()
+    all.into_iter().flatten().map(ca_core::internal::op::Op::name).collect()
 }
 
 #[test]
