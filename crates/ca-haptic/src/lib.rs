@@ -10,7 +10,7 @@
 //! and the loop remain: no threads, no clock ([`time`]), no compiler.
 //!
 //! What stands between a model and a hand, with every number, is in `docs/safety.md`: read it before a device has power. A device process
-//! needs the client of [`host`] alone (`examples/device.rs`, `examples/device.c`, docs/devices.md); who plays scenes begins with [`serve`].
+//! needs the client of [`host`] alone (`examples/device.rs`, `examples/device.c`, docs/devices.md); `ca_live::play` plays a scene by all of this.
 //!
 //! What is not here: the tick (`ca-core`), models (`ca-model`, `ca-compile`), and what people type and see (`ca-cli`, `ca-play`).
 #[cfg(feature = "system")]

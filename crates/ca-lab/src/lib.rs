@@ -3,8 +3,8 @@
 //! The front ends share more than the engine: which word means which model, how long it is played, and when it has diverged. A front end
 //! adds its arguments and its output.
 //!
-//! Begin with [`load`], which finds a model, and [`play`]; `ca-fit`, `ca-sweep`, `ca-accuracy`, `ca-take` and `ca-film` stand on them.
-//! Real time and devices are in `ca-haptic`, derivatives in `ca-gradient`. A program that plays scenes needs `cordis-anima` alone.
+//! Begin with [`load`], which finds a model, and [`play`]; `ca-fit`, `ca-sweep`, `ca-accuracy`, `ca-take`, `ca-film`, `ca-pages` and `ca-live` stand on
+//! them. Derivatives are in `ca-gradient`. A program that plays scenes needs `cordis-anima` alone.
 #![forbid(unsafe_code)]
 
 pub mod bytes;

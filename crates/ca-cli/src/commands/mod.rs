@@ -1,4 +1,4 @@
-//! The commands, a file or folder each with `run`; `control.rs` has the five that speak to a running server. `border.rs` holds
+//! The commands, a file or folder each with `run`; `control.rs` has the six that speak to a running server. `border.rs` holds
 //! lines that several of them print.
 
 pub mod accuracy;

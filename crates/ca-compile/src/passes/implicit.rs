@@ -1,5 +1,5 @@
 //! Implicit: which linear links and cells go by the methods `centred` and `implicit`; their matrix is laid out in
-//! `emit/implicit.rs`.
+//! `emit/methods/implicit.rs`.
 //!
 //! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
 //! and that a cell needs no matrix: its own spring and damper only make it heavier ([`ca_core::internal::mat::cel`]). Refused where
