@@ -20,7 +20,7 @@ fn bounces(space: bool) -> Model {
     ))
 }
 
-/// What remembers learns that it is let go where its ends are too far apart to touch: each blow begins anew.
+/// The memory of a contact ends when its ends are too far apart to touch: each blow begins anew.
 #[test]
 fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
     let run = |space: bool| {
