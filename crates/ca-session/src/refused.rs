@@ -12,9 +12,7 @@ pub enum Refused {
     Engine(serve::Refused),
     /// outputs cannot be chosen
     Output(NoChoice),
-    /// the request does not have the form that it needs, or comes at the wrong time
-    Form(&'static str),
-    /// a name or a number of it does not fit, or the host says why it cannot do it
+    /// the request does not fit, comes at the wrong time, or the host cannot do it; in words
     Text(String),
 }
 
@@ -23,7 +21,6 @@ impl fmt::Display for Refused {
         match self {
             Refused::Engine(why) => why.fmt(f),
             Refused::Output(why) => why.fmt(f),
-            Refused::Form(text) => f.write_str(text),
             Refused::Text(text) => f.write_str(text),
         }
     }
@@ -45,7 +42,7 @@ impl From<NoChoice> for Refused {
 
 impl From<&'static str> for Refused {
     fn from(text: &'static str) -> Refused {
-        Refused::Form(text)
+        Refused::Text(text.into())
     }
 }
 

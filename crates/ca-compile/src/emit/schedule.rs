@@ -38,7 +38,7 @@ use ca_core::internal::scene::{
     About, Before, InHand, Order, OutputNames, Passes as ScenePasses, Start, identify, start,
 };
 use ca_core::internal::state::{
-    ActiveContacts, Border, Cell, LinkState, PortState, Ramps, UNKNOWN, empty, give_to, set_order,
+    ActiveContacts, Border, Cell, LinkState, PortState, Ramps, UNKNOWN, give_to, set_order,
 };
 use ca_core::{Certificate, InputRole, Location, Precision, Scene, State};
 use ca_model::Model;
@@ -341,7 +341,7 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
 /// The state as written: every mass where its author put it, with the speed it was given.
 fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
-    let mut s = empty();
+    let mut s = State::default();
     s.x = Aligned::from(x);
     s.d = v.iter().map(|v| v * net.tick_dt).collect();
     s.f = Aligned::zeros(layout.counts.n_mat);

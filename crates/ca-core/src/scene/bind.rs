@@ -8,17 +8,13 @@
 use super::{Before, Scene, start};
 use crate::numeric::{Precision, Real, Table, VerletList};
 use crate::op::energy::empty_ledger;
-use crate::op::layout::AccountFns;
 use crate::op::layout::{
-    Account, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan, LinkForce,
-    SlowGroup, Substeps, Termination, Waves,
+    Account, AccountFns, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan,
+    LinkArrays, LinkForce, OutputArrays, Places, PortArrays, Rates, SlowGroup, Substeps, Termination, Waves,
 };
-use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 use crate::op::{Band, Form, Integrate, Laws, Op};
-use crate::scene::identify;
-use crate::scene::{About, InHand, OutputNames, Passes};
-use crate::state::{ActiveContacts, Cell, Ledger, Ramps, SlowState, State};
-use crate::state::{LinkState, PortState};
+use crate::scene::{Passes, identify};
+use crate::state::{ActiveContacts, Cell, Ledger, LinkState, PortState, Ramps, SlowState, State};
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -78,21 +74,12 @@ impl Scene {
             layout,
             passes: Passes { reads, forces, fused: self.passes.fused, writes, moves, sorted: self.passes.sorted },
             inputs: self.inputs.clone(),
-            names: OutputNames {
-                channel_names: self.names.channel_names.clone(),
-                probe_names: self.names.probe_names.clone(),
-                probe_of: self.names.probe_of.clone(),
-            },
+            names: self.names.clone(),
             live,
-            about: About {
-                gestures: self.about.gestures.clone(),
-                left_out: self.about.left_out.clone(),
-                title: self.about.title.clone(),
-                seconds: self.about.seconds,
-            },
+            about: self.about.clone(),
             symbols: self.symbols.clone(),
             certificate: self.certificate.clone(),
-            hand: InHand { equivalence: self.hand.equivalence.clone(), couplings: self.hand.couplings.clone() },
+            hand: self.hand.clone(),
             initial,
             before,
         })
@@ -178,16 +165,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
     };
     Ok(Layout {
         rates: Rates { sample_dt: l.rates.sample_dt, ratio: l.rates.ratio, frame: l.rates.frame, slow, substeps },
-        counts: Counts {
-            n_mat: l.counts.n_mat,
-            n_lia: l.counts.n_lia,
-            n_coef: l.counts.n_coef,
-            n_mem: l.counts.n_mem,
-            n_touch: l.counts.n_touch,
-            n_tap: l.counts.n_tap,
-            channels: l.counts.channels,
-            n_out: l.counts.n_out,
-        },
+        counts: l.counts,
         links: LinkArrays {
             ends: l.links.ends.clone(),
             onto: l.links.onto.clone(),

@@ -8,8 +8,7 @@
 
 use crate::numeric::Real;
 use crate::numeric::words::word;
-use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
-use crate::op::layout::{Layout, MeasureKind};
+use crate::op::layout::{Counts, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates};
 use crate::op::{Op, SolveStage};
 use crate::scene::Scene;
 use crate::state::{Identity, State};

@@ -202,11 +202,6 @@ pub struct State<R: Real = f64> {
     pub tick: u64,
 }
 
-/// A state without numbers, for the compiler to fill.
-pub fn empty<R: Real>() -> State<R> {
-    State::default()
-}
-
 /// The scene of a state.
 pub fn scene_of<R: Real>(state: &State<R>) -> Identity {
     state.scene

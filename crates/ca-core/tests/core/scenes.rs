@@ -7,7 +7,6 @@ use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::layout::{Counts, Enf, Enx, Layout, Output, Places, Rates, Tap};
 use ca_core::internal::op::{Form, Op, Pass};
 use ca_core::internal::scene::{About, InHand, OutputNames, Passes};
-use ca_core::internal::state::empty;
 use ca_core::{Certificate, Input, InputRole, Law, Role, Scene, State, Symbols, integrate, process, tick};
 
 const RATE: f64 = 48_000.0;
@@ -34,7 +33,7 @@ impl Row {
         };
         let coef = (0..3).flat_map(|k| mats.iter().map(move |m| m[k])).collect();
         let zeros = || Aligned::zeros(n);
-        let mut state = empty();
+        let mut state = State::default();
         (state.x, state.d, state.f, state.coef) = (zeros(), zeros(), zeros(), coef);
         let own = Op::pass(Pass::IntegrateFull, n);
         let moves = vec![own, Op::pass(Pass::Flush, n)];

@@ -24,7 +24,6 @@ use crate::played::diverged;
 use added::Added;
 use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::layout::Layout;
-use ca_core::internal::state::empty;
 use ca_core::{Dual, Scene, State};
 use ca_io::perform::DIVERGED;
 use gains::Gains;
@@ -136,7 +135,7 @@ impl Tangent {
         let mut coefs = scene.initial.coef.clone();
         let mut record = Record::new(scene, &self.parts, TICKS, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
-        let mut sample = empty::<Dual>();
+        let mut sample = State::<Dual>::default();
         sample.output = vec![Dual::default(); scene.counts.n_out];
         let mut outputs = vec![vec![Dual::default(); scene.counts.n_out]; TICKS];
         for first in (0..frames).step_by(TICKS) {
