@@ -13,9 +13,10 @@ mod outputs;
 mod page;
 mod term;
 
-use args::{Cli, Command};
+use args::Cli;
 use clap::FromArgMatches as _;
-use outcome::{Ended, Failure, Outcome};
+use commands::Command;
+use outcome::{Ended, Failure};
 use std::ffi::OsString;
 use std::io::Write as _;
 
@@ -44,7 +45,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             return if e.use_stderr() { 2 } else { 0 };
         }
     };
-    let ended = vectors().and_then(|()| command(&cli.command));
+    let ended = vectors().and_then(|()| commands::run(&cli.command));
     // a program that is not in Rust ends without this
     let _ = std::io::stdout().flush();
     match ended {
@@ -66,7 +67,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// The performance that arguments of `ca play` ask for, of a model that `read` gives: for a program that plays in its process.
+/// The performance that arguments of `ca play` ask for, for a program that plays in its own process. `read` gives the model,
+/// to which `changes` are made as by `--set`.
 ///
 /// # Errors
 /// [`ca_lab::Failure::Failed`] with the usage of the command if the arguments make no sense, and the errors of `read`.
@@ -74,12 +76,16 @@ pub fn play_request(
     name: &str,
     args: impl IntoIterator<Item = OsString>,
     read: ca_live::Reader,
+    changes: Vec<(String, String)>,
 ) -> Result<ca_live::Request, ca_lab::Failure> {
     let words = ["ca".into(), "play".into(), OsString::from(name)].into_iter().chain(args);
     let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
     let cli = args::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
     match cli.command {
-        Command::Play(args) => commands::serve::request(&args.serve, Some(commands::play::page(&args)), read),
+        Command::Play(mut args) => {
+            args.serve.source.set.splice(..0, changes);
+            commands::serve::request(&args.serve, Some(commands::play::page(&args)), read)
+        }
         _ => Err(ca_lab::Failure::Failed("these are not arguments of `ca play`".into())),
     }
 }
@@ -91,37 +97,5 @@ fn vectors() -> Result<(), Failure> {
             Err(Failure::Usage(format!("CA_VECTORS: `{}` is neither `portable` nor `avx2`", asked.display())))
         }
         _ => Ok(()),
-    }
-}
-
-fn command(command: &Command) -> Outcome {
-    match command {
-        Command::Render(a) => commands::render::run(a),
-        Command::Check(a) => commands::check::run(a),
-        Command::Modes(a) => commands::modes::run(a),
-        Command::Accuracy(a) => commands::accuracy::run(a),
-        Command::Bench(a) => commands::bench::run(a),
-        Command::Sweep(a) => commands::sweep::run(a),
-        Command::Tune(a) => commands::tune::run(a),
-        Command::Fit(a) => commands::fit::run(a),
-        Command::Report(a) => commands::report::run(a),
-        Command::Equiv(a) => commands::equiv::run(a),
-        Command::List(a) => commands::list::run(a),
-        Command::Explain(a) => commands::explain::run(a),
-        Command::New(a) => commands::new::run(a),
-        Command::Import(a) => commands::import::run(a),
-        Command::Play(a) => commands::play::run(a),
-        Command::Serve(a) => commands::serve::run(a),
-        Command::Set(a) => commands::control::set(a),
-        Command::Audio(a) => commands::control::audio(a),
-        Command::Arm(a) => commands::control::arm(a),
-        Command::Disarm(a) => commands::control::disarm(a),
-        Command::Status(a) => commands::control::status(a),
-        Command::Stop(a) => commands::control::stop(a),
-        Command::Replay(a) => commands::take::replay::run(a),
-        Command::Log(a) => commands::take::log::run(a),
-        Command::Device(a) => commands::device::run(a),
-        Command::Shm(a) => commands::shm::run(a),
-        Command::Completions(a) => commands::completions::run(a),
     }
 }

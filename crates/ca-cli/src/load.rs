@@ -6,7 +6,7 @@ use crate::term;
 use ca_compile::{Compiled, Options};
 use ca_io::{FileError, reading};
 pub use ca_lab::load::{
-    BUNDLED, Loaded, bundled, compiled, has_extension, mims_text, reason, stem, text, ticked, utf8, warnings,
+    BUNDLED, Loaded, bundled, compiled, foreign_text, has_extension, reason, stem, text, ticked, utf8, warnings,
 };
 use ca_model::diag::Severity;
 use std::path::Path;

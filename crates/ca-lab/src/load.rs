@@ -15,7 +15,7 @@ use ca_model::render::line_column;
 pub use ca_model::suggest::listed as ticked;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
-pub use cordis_anima::loaded::{mims_text, stem, text, utf8};
+pub use cordis_anima::loaded::{foreign_text, stem, text, utf8};
 pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
 
@@ -98,7 +98,7 @@ fn no_model(word: &str) -> String {
         .flatten()
         .flatten()
         .map(|f| path.with_file_name(f.file_name()).to_string_lossy().into_owned())
-        .filter(|f| Path::new(f).is_file() && (f.ends_with(".ca.toml") || ca_import::reads(f)))
+        .filter(|f| Path::new(f).is_file() && (f.ends_with(".ca.toml") || ca_import::of(f).is_some()))
         .collect();
     let own = format!("{word}.ca.toml");
     let names = BUNDLED.iter().map(|m| m.0);

@@ -189,7 +189,7 @@ impl Model {
         apart(py, None, move |_| Loaded::read(&text, &file)).map(Model::of)
     }
 
-    /// From the text of a MIMS model.
+    /// From the text of a model of another program.
     #[staticmethod]
     fn mims(py: Python, text: String, file: String) -> PyResult<Model> {
         apart(py, None, move |_| Loaded::import(&text, &file)).map(Model::of)

@@ -1,14 +1,14 @@
 //! A scene that plays in this process, with its page.
 
-use crate::error;
 use crate::wait::until;
+use crate::{error, model};
 use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::serve::Shared;
 use ca_lab::Failure;
-use ca_lab::load::Loaded;
 use ca_live::{Asked, Listener};
 use ca_model::diag::Diags;
 use ca_model::{Model, render};
+use ca_take::Original;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::sync::atomic::AtomicBool;
@@ -91,12 +91,18 @@ pub struct Performance {
 
 #[pymethods]
 impl Performance {
-    /// Plays a model in text, called `name`, with arguments of `ca play`.
+    /// Plays a model, called `name`, with arguments of `ca play`.
     #[new]
-    fn new(py: Python, name: &str, text: String, args: Vec<OsString>) -> PyResult<Performance> {
-        let file = format!("{name}.ca.toml");
-        let read = Arc::new(move || Ok(Loaded::read(&text, &file)));
-        let mut request = ca_cli::play_request(name, args, read).map_err(|e| error::failure(py, e))?;
+    fn new(py: Python, model: PyRef<model::Model>, name: &str, args: Vec<OsString>) -> PyResult<Performance> {
+        let whole = model.whole();
+        drop(model);
+        let made = py.detach(|| {
+            let Original { mut loaded, changes, .. } = Original::of(&whole)?;
+            // the page shows it
+            loaded.name = name.into();
+            ca_cli::play_request(name, args, Arc::new(move || Ok(loaded.clone())), changes)
+        });
+        let mut request = made.map_err(|e| error::failure(py, e))?;
         // it would hold all memory of Python
         request.thread.lock = false;
         let (requests, asked) = channel();

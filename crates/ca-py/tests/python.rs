@@ -69,7 +69,7 @@ fn everything_in_python() {
         .current_dir(folder.path())
         .env("PYTHONPATH", folder.path())
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("CA", command)
+        .env("CA_COMMAND", command)
         .env("CA_ROOT", root())
         .output()
         .expect("Python runs");

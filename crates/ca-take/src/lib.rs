@@ -8,7 +8,9 @@ pub mod account;
 pub mod demands;
 mod devices;
 pub mod gesture;
+mod original;
 mod record;
 
 pub use devices::{beyond, devices, dofs};
+pub use original::Original;
 pub use record::{RecordOptions, record};

@@ -3,7 +3,7 @@
 //! Decides that a take is made by the real engine, with its guard, from frames as a device sends them: so it replays to
 //! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
 
-use crate::{devices, dofs};
+use crate::{Original, devices, dofs};
 use ca_compile::Options;
 use ca_core::{Controls, InputRole, Scene};
 use ca_haptic::calibration::Calibration;
@@ -16,9 +16,8 @@ use ca_haptic::record::Record;
 use ca_haptic::take::{Finished, Header, TakeWriter};
 use ca_io::gesture::{Gesture, Track};
 use ca_io::perform::{Driven, Performance};
-use ca_lab::load::{self, Loaded};
-use ca_lab::{Failure, bytes, play};
-use ca_model::{Entry, Model, Value, write};
+use ca_lab::load::Loaded;
+use ca_lab::{Failure, play};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -61,7 +60,7 @@ pub fn record(
     path: &Path,
     goes_on: &mut dyn FnMut(u64, u64) -> bool,
 ) -> Result<Finished, Failure> {
-    let (loaded, changes) = &written(loaded)?;
+    let Original { played: loaded, changes, .. } = &Original::of(loaded)?;
     let options = Options { rate: ask.rate, energy: ask.energy, clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = Arc::new(loaded.compile(&options)?.scene);
     let mut hands = Performance::new(&scene, gesture)?;
@@ -95,61 +94,6 @@ pub fn record(
         let _ = std::fs::remove_file(path);
     }
     done
-}
-
-/// The model as a take can hold it: the text of its author, and what was changed since as names and values of `--set`.
-/// Where that is not all of it, a text is written anew, and this is what is played: another text may have another order of
-/// modules, and so other bits.
-fn written(loaded: &Loaded) -> Result<(Loaded, Vec<(String, String)>), Failure> {
-    let model = &loaded.model;
-    if !model.text.is_empty() {
-        let mut original =
-            if loaded.is_imported() { Loaded::import(&model.text, &model.file) } else { load::read_again(model) };
-        let changes = changes(&original.model, model);
-        let known = changes.iter().all(|(name, text)| original.model.set(name, text));
-        original.look();
-        // with findings of the reader there are no bytes
-        if known && bytes::bytes(&original).is_ok_and(|a| bytes::bytes(loaded).is_ok_and(|b| a == b)) {
-            return Ok((loaded.clone(), changes));
-        }
-    }
-    // an error in the model is reported as such
-    bytes::bytes(loaded)?;
-    let mut again = Loaded::read(&write::write(model), "model.ca.toml");
-    again.clouds.clone_from(&loaded.clouds);
-    Ok((again, Vec::new()))
-}
-
-/// Values that are others, or were not there.
-fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
-    let mut all = Vec::new();
-    let mut put = |name: String, new: &Value, old: Option<&Value>| {
-        if old != Some(new) {
-            all.push((name, new.shown()));
-        }
-    };
-    let find = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());
-    for (owner, new, old) in [("model", &to.meta, &from.meta), ("rate", &to.rate, &from.rate)] {
-        for e in new {
-            put(format!("{owner}.{}", e.key), &e.value, find(old, &e.key).as_ref());
-        }
-    }
-    let value = |v: Value| match v {
-        Value::Table(entries) => find(&entries, "value"),
-        v => Some(v),
-    };
-    for e in &to.params {
-        if let Some(new) = value(e.value.clone()) {
-            put(e.key.clone(), &new, find(&from.params, &e.key).and_then(value).as_ref());
-        }
-    }
-    for item in &to.items {
-        let old = from.items.iter().find(|i| i.name == item.name).map_or(&[][..], |i| &i.args);
-        for e in &item.args {
-            put(format!("{}.{}", item.name, e.key), &e.value, find(old, &e.key).as_ref());
-        }
-    }
-    all
 }
 
 /// A device of that name: what is shipped of it, else one that nobody has described.

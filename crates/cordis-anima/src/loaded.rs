@@ -1,13 +1,13 @@
 //! A model with what was found in it and what the files it names hold: everything that is needed to compile it.
 //!
-//! Decides that the extension says what a file is: `.mdl` is of MIMS, all else is a model of ours.
+//! The extension tells the format: that of a format in [`ca_import::FORMATS`], or else a model of ours.
 
 use crate::error::{Error, Found};
 use ca_compile::load::finish;
 use ca_compile::{Compiled, Options};
 use ca_core::internal::kind::cloud::{Clouds, Unread};
 use ca_core::{Catalog, Laws, Real};
-use ca_import::mims;
+use ca_import::Format;
 use ca_io::error::FileErrorKind;
 use ca_io::{FileError, reading};
 use ca_model::diag::Diags;
@@ -56,10 +56,9 @@ impl Loaded {
     pub fn open(path: impl AsRef<Path>) -> Result<Loaded, FileError> {
         let path = path.as_ref();
         let file = path.to_string_lossy();
-        Ok(if ca_import::reads(&file) {
-            Loaded::import(&mims_text(path)?, &file)
-        } else {
-            Loaded::read(&text(path)?, &file)
+        Ok(match ca_import::of(&file) {
+            Some(_) => Loaded::import(&foreign_text(path)?, &file),
+            None => Loaded::read(&text(path)?, &file),
         })
     }
 
@@ -75,18 +74,18 @@ impl Loaded {
         Loaded::found(model, diags, file)
     }
 
-    /// A model from a text of others, such as MIMS. With errors, the model is empty but for the text they point into.
+    /// A model from the text of another program, see [`ca_import::assumed`]. With errors, the model is empty but for the text they point into.
     pub fn import(text: &str, file: &str) -> Loaded {
-        let (mut model, diags) = ca_import::import(text, file);
+        let (mut model, diags) = (ca_import::assumed(file).import)(text, file);
         if diags.has_errors() {
             model = Model { file: file.into(), text: text.into(), ..Model::default() };
         }
         Loaded::found(model, diags, file)
     }
 
-    /// True where it was read from a format of others, so that its text is not one of ours.
-    pub fn is_imported(&self) -> bool {
-        ca_import::reads(&self.model.file)
+    /// The format of another program that its text is in, if it is not ours.
+    pub fn format(&self) -> Option<&'static Format> {
+        ca_import::of(&self.model.file)
     }
 
     /// A model that was built by a program.
@@ -143,12 +142,13 @@ fn part(folder: &Path, name: &str) -> Result<String, Unread> {
     })
 }
 
-/// The text of a MIMS file, in whatever way it was saved.
+/// The text of a model file of another program.
 ///
 /// # Errors
 /// Where it cannot be read.
-pub fn mims_text(path: &Path) -> Result<String, FileError> {
-    Ok(mims::decode(reading::text(path, reading::MODEL)?))
+pub fn foreign_text(path: &Path) -> Result<String, FileError> {
+    let format = ca_import::assumed(&path.to_string_lossy());
+    Ok((format.decode)(reading::text(path, reading::MODEL)?))
 }
 
 /// The text of a model of ours.
@@ -177,6 +177,7 @@ pub fn utf8(bytes: Vec<u8>, name: &Path) -> Result<String, FileError> {
 pub fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let lower = name.to_ascii_lowercase();
-    let cut = [".ca.toml", ".toml", ".mdl"].into_iter().find(|e| lower.ends_with(e)).map_or(0, str::len);
+    let own = [".ca.toml", ".toml"].into_iter().find(|e| lower.ends_with(e)).map(str::len);
+    let cut = own.or_else(|| ca_import::of(&lower).map(|f| f.extension.len() + 1)).unwrap_or(0);
     name[..name.len() - cut].to_owned()
 }

@@ -2,6 +2,7 @@
 
 use super::completions;
 use ca_core::Unit;
+use ca_import::Format;
 use ca_model::quantity;
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCompleter;
@@ -9,8 +10,8 @@ use clap_complete::ArgValueCompleter;
 /// Which model, and what to change in it.
 #[derive(Args, Clone)]
 pub struct Source {
-    /// `*.ca.toml` file, MIMS `.mdl` file, name of a bundled model, or `-` for standard input
-    #[arg(add = ArgValueCompleter::new(completions::models))]
+    /// the model
+    #[arg(help = model_help(), add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// Changes a parameter: of a module (`hammer.m="30 g"`), a `[param]`, or `rate.gesture`; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
@@ -51,6 +52,17 @@ impl Source {
     }
 }
 
+/// What `--help` says of the argument that names a model.
+pub(crate) fn model_help() -> String {
+    let formats = imported(|f| format!("{} `.{}` file, ", f.name, f.extension));
+    format!("`*.ca.toml` file, {formats}name of a bundled model, or `-` for standard input")
+}
+
+/// Words about each file format of another program.
+pub(crate) fn imported(words: impl Fn(&Format) -> String) -> String {
+    ca_import::FORMATS.iter().map(words).collect()
+}
+
 /// How long a model is played, and by what.
 #[derive(Args)]
 pub struct Playing {
@@ -75,7 +87,7 @@ pub enum Border {
     Hold,
 }
 
-pub(super) fn pair(text: &str) -> Result<(String, String), String> {
+pub(crate) fn pair(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().into(), value.trim().into()))
@@ -84,7 +96,7 @@ pub(super) fn pair(text: &str) -> Result<(String, String), String> {
     }
 }
 
-pub(super) fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {
+pub(crate) fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {
     let q = quantity::parse(text.trim()).map_err(|e| e.to_string())?;
     if q.has_unit && !q.dim.same(unit.dim) {
         return Err(format!("a quantity in {} is wanted", unit.symbol));
@@ -95,18 +107,18 @@ pub(super) fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f
     Ok(q.value)
 }
 
-pub(super) fn count(text: &str) -> Result<usize, String> {
+pub(crate) fn count(text: &str) -> Result<usize, String> {
     text.trim().parse().map_err(|_| "a whole number from 0 on is wanted".into())
 }
 
 /// A rate; `96k` is short for "96 kHz", as in other programs of sound.
-pub(super) fn hertz(text: &str) -> Result<f64, String> {
+pub(crate) fn hertz(text: &str) -> Result<f64, String> {
     let short = text.trim().strip_suffix(['k', 'K']).filter(|n| n.trim().parse::<f64>().is_ok());
     quantity_of(&short.map_or_else(|| text.to_owned(), |n| format!("{n} kHz")), Unit::HERTZ, (1.0, 1e6))
 }
 
 /// A level as a part of full scale.
-pub(super) fn dbfs(text: &str) -> Result<f64, String> {
+pub(crate) fn dbfs(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches("FS").trim_end_matches("dB").trim();
     match number.parse::<f64>() {
         Ok(v) if (-200.0..=0.0).contains(&v) => Ok(10.0_f64.powf(v / 20.0)),
@@ -114,16 +126,16 @@ pub(super) fn dbfs(text: &str) -> Result<f64, String> {
     }
 }
 
-pub(super) fn metres(text: &str) -> Result<f64, String> {
+pub(crate) fn metres(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::METRE, (-1.0, 1.0))
 }
 
-pub(super) fn speed(text: &str) -> Result<f64, String> {
+pub(crate) fn speed(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SPEED, (1e-4, 10.0))
 }
 
 /// A time; also in minutes, which models do not have.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let minutes = text.trim().strip_suffix("min").and_then(|n| n.trim().parse::<f64>().ok());
     let text = minutes.map_or_else(|| text.to_owned(), |n| format!("{} s", n * 60.0));
     quantity_of(&text, Unit::SECOND, (1e-6, 86_400.0))

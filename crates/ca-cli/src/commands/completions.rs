@@ -1,8 +1,26 @@
 //! `ca completions`: what makes a shell complete.
 
-use crate::args::CompletionsArgs;
 use crate::outcome::{Ended, Failure, Outcome};
+use clap::Args;
+use clap_complete::Shell;
 use clap_complete::env::Shells;
+
+/// Prints what makes a shell complete commands, options and names of models
+///
+/// The script makes the shell ask `ca` itself at each Tab. The shell then completes commands, options and their values, bundled
+/// models and model files, as the installed program has them. In bash: `echo 'source <(ca completions bash)' >> ~/.bashrc`; in zsh
+/// the same with `zsh` and `~/.zshrc`; in fish: `ca completions fish > ~/.config/fish/completions/ca.fish`. Write it again
+/// after an update where it is kept in a file.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca completions bash
+  ca completions zsh > _ca
+  ca completions fish > ca.fish")]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
 
 /// The variable by which the script asks for candidates, as `main` knows it.
 const ASKED_BY: &str = "COMPLETE";

@@ -1,11 +1,73 @@
 //! `ca set`, `ca audio`, `ca arm`, `ca disarm`, `ca status`, `ca stop`: what is said to a running `ca serve`.
 
-use crate::args::{ArmArgs, AudioArgs, SetArgs, StatusArgs};
+use crate::args::common::pair;
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_haptic::host::Site;
 use ca_haptic::host::control::{Given, Reply, Request, ask};
+use clap::Args;
 use std::io::Write as _;
 use std::time::{Duration, Instant};
+
+/// Changes parameters of a running `ca serve` or `ca play`
+///
+/// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
+/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
+/// Any other number, as by `--set`, makes the model of `ca play` anew, which plays on; what is wrong with it is told there.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca set
+  ca set k='900 N/m' z=0.5")]
+pub struct SetArgs {
+    /// What to change
+    #[arg(value_name = "NAME=VALUE", value_parser = pair)]
+    pub values: Vec<(String, String)>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Shows or chooses what plays the sound of a running `ca serve` or `ca play`
+///
+/// Without a name it says what plays, and what may: a server (`jack`, `pulse`), with the feature `audio` a sound device by name, and
+/// `page`, the page of `ca play`. With a name the sound goes there from now on, while the model plays on; what does not open leaves it
+/// where it is. A device that goes away is waited for, and the sound comes back to it.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca audio
+  ca audio --json")]
+pub struct AudioArgs {
+    /// The server, the sound device, or `page`
+    pub device: Option<String>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Of which device forces are turned on or off; what it does is said where the commands are listed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca arm
+  ca arm tgr12
+  ca disarm")]
+pub struct ArmArgs {
+    /// One device; all of them if left out
+    pub device: Option<String>,
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Shows the state of a running `ca serve`, or ends it
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca status
+  ca status --json
+  ca stop")]
+pub struct StatusArgs {
+    /// Prints the answer as JSON
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// How long a server may take to answer: it does so every 2 ms, unless the machine is very busy.
 const PATIENCE: Duration = Duration::from_secs(5);

@@ -2,14 +2,35 @@
 //!
 //! Decides nothing of what is said: titles and pages come from `ca-model`, where the codes are.
 
-use crate::args::ExplainArgs;
+use crate::args::completions;
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_model::diag::{CODES, Severity};
 use ca_model::explain::{page, severity};
 use ca_model::suggest::nearest;
+use clap::Args;
+use clap_complete::ArgValueCompleter;
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
+
+/// Explains a finding by its code
+///
+/// Prints the page of a code such as E013: what it means, models that have the finding, and what is said of each and how
+/// it is mended. Without a code: all of them with their titles; E are errors, for which nothing is compiled, W warnings, N
+/// notes. The pages are part of the program, and those of its version.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca explain
+  ca explain E013
+  ca explain w103 --json")]
+pub struct ExplainArgs {
+    /// The code, as it stands in brackets behind `error`, `warning` or `note`
+    #[arg(add = ArgValueCompleter::new(completions::codes))]
+    pub code: Option<String>,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// The severities with the heading of each in the list, and its word in JSON as `ca check --json` has it.
 const GROUPS: [(Severity, &str, &str); 3] = [

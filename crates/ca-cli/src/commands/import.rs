@@ -1,23 +1,62 @@
-//! `ca import`: a MIMS model becomes a model file.
+//! `ca import`: a model of another program becomes a model file.
 //!
 //! Decides that an import ends with a compilation, because what was imported is only worth something if it runs.
 
-use crate::args::ImportArgs;
+use crate::args::common::imported;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
 use ca_core::Level;
 use ca_model::{Model, write};
+use clap::Args;
 use std::io::Write as _;
 use std::path::PathBuf;
 
+/// Turns a model of another program into a model file
+#[derive(Args)]
+#[command(about = about(), long_about = long_about(), after_long_help = "Examples:
+  ca import string.mdl
+  ca import string.mdl -o gut.ca.toml --force")]
+pub struct ImportArgs {
+    /// the imported file
+    #[arg(help = file_help())]
+    pub file: PathBuf,
+    /// The file to write; the name of the model in the current directory if left out
+    #[arg(short, long, value_name = "FILE.ca.toml")]
+    pub output: Option<PathBuf>,
+    /// Overwrites the file
+    #[arg(long)]
+    pub force: bool,
+}
+
+fn about() -> String {
+    format!(
+        "Turns a model of another program ({}) into a model file",
+        imported(|f| format!("{}, ", f.name)).trim_end_matches(", ")
+    )
+}
+
+fn long_about() -> String {
+    let results = imported(|f| format!("\n\n{}: {}", f.name, f.result));
+    format!(
+        "{}\n\nEverything that is guessed, changed or lost is said as a note that points into the imported file. The result is \
+         compiled and its findings are shown.{results}",
+        about()
+    )
+}
+
+fn file_help() -> String {
+    let files = imported(|f| format!("{} model, `*.{}`, ", f.name, f.extension));
+    format!("The {}", files.trim_end_matches(", "))
+}
+
 /// Runs the command.
 pub fn run(args: &ImportArgs) -> Outcome {
-    let text = load::mims_text(&args.file)?;
+    let text = load::foreign_text(&args.file)?;
     let file = args.file.display().to_string();
     let Loaded { model, diags: notes, .. } = Loaded::import(&text, &file);
-    // the findings point into the MIMS text
+    // the findings point into the imported text
     let original = Model { file, text, ..Model::default() };
     term::findings(&notes, &original);
     if notes.has_errors() {

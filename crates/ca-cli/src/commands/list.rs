@@ -2,7 +2,7 @@
 //!
 //! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
 
-use crate::args::ListArgs;
+use crate::args::completions;
 use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_core::{Catalog, Kind, Role};
@@ -13,9 +13,38 @@ use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Value};
 use ca_model::{read, schema};
+use clap::Args;
+use clap_complete::ArgValueCompleter;
 use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
+
+/// Lists kinds of modules and bundled models, or shows one of them
+///
+/// Without a name: both lists. With the code of a kind, its page: equation, parameters with unit and range, sources, a
+/// complete example. With the name of a bundled model, what it is and how to play it.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca list
+  ca list BUT
+  ca list hammered_string
+  ca list plectrum
+  ca list kinds --markdown
+  ca list --schema > ca.schema.json")]
+pub struct ListArgs {
+    /// `kinds`, `models`, `parts`, the code of a kind, the name of a bundled model or of a part
+    #[arg(add = ArgValueCompleter::new(completions::listed))]
+    pub what: Option<String>,
+    /// As JSON
+    #[arg(long, conflicts_with_all = ["schema", "markdown"])]
+    pub json: bool,
+    /// The JSON Schema of model files, for editors
+    #[arg(long, conflicts_with = "markdown")]
+    pub schema: bool,
+    /// The table of kinds as Markdown
+    #[arg(long)]
+    pub markdown: bool,
+}
 
 /// Whether a role is of a family.
 type Belongs = fn(&Role) -> bool;

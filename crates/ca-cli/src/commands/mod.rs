@@ -1,25 +1,93 @@
-//! The commands, a file or folder each with `run`; `control.rs` has the six that speak to a running server. `border.rs` holds
-//! lines that several of them print.
+//! The commands, a file or folder each with its arguments and `run`; `control.rs` has the six that speak to a running server.
+//! `border.rs` holds lines that several of them print.
 
-pub mod accuracy;
-pub mod bench;
+use crate::outcome::Outcome;
+use clap::Subcommand;
+
+pub(crate) mod accuracy;
+pub(crate) mod bench;
 mod border;
-pub mod check;
-pub mod completions;
-pub mod control;
-pub mod device;
-pub mod equiv;
-pub mod explain;
-pub mod fit;
-pub mod import;
-pub mod list;
-pub mod modes;
-pub mod new;
-pub mod play;
-pub mod render;
-pub mod report;
-pub mod serve;
-pub mod shm;
-pub mod sweep;
-pub mod take;
-pub mod tune;
+pub(crate) mod check;
+pub(crate) mod completions;
+pub(crate) mod control;
+pub(crate) mod device;
+pub(crate) mod equiv;
+pub(crate) mod explain;
+pub(crate) mod fit;
+pub(crate) mod import;
+pub(crate) mod list;
+pub(crate) mod modes;
+pub(crate) mod new;
+pub(crate) mod play;
+pub(crate) mod render;
+pub(crate) mod report;
+pub(crate) mod serve;
+pub(crate) mod shm;
+pub(crate) mod sweep;
+pub(crate) mod take;
+pub(crate) mod tune;
+
+/// The subcommands with their arguments, and the function that runs each. The help of a command stands with its arguments: a line
+/// here would replace it, so it is here only where several commands have the same arguments.
+macro_rules! commands {
+    ($($(#[$help:meta])* $name:ident($args:path) => $run:path,)*) => {
+        /// A command with its arguments.
+        #[derive(Subcommand)]
+        pub enum Command {
+            $($(#[$help])* $name($args),)*
+        }
+
+        /// Runs a command.
+        pub fn run(command: &Command) -> Outcome {
+            match command {
+                $(Command::$name(args) => $run(args),)*
+            }
+        }
+    };
+}
+
+commands! {
+    Render(render::RenderArgs) => render::run,
+    Check(check::CheckArgs) => check::run,
+    Modes(modes::ModesArgs) => modes::run,
+    Accuracy(accuracy::AccuracyArgs) => accuracy::run,
+    Bench(bench::BenchArgs) => bench::run,
+    Sweep(sweep::SweepArgs) => sweep::run,
+    Tune(tune::TuneArgs) => tune::run,
+    Fit(fit::FitArgs) => fit::run,
+    Report(report::ReportArgs) => report::run,
+    Equiv(equiv::EquivArgs) => equiv::run,
+    List(list::ListArgs) => list::run,
+    Explain(explain::ExplainArgs) => explain::run,
+    New(new::NewArgs) => new::run,
+    Import(import::ImportArgs) => import::run,
+    Play(play::PlayArgs) => play::run,
+    Serve(serve::ServeArgs) => serve::run,
+    Set(control::SetArgs) => control::set,
+    Audio(control::AudioArgs) => control::audio,
+    /// Turns the forces of a running `ca serve` on
+    ///
+    /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed
+    /// device waits for. After a fault forces stay off until somebody arms again; a model that diverged is loaded again first.
+    Arm(control::ArmArgs) => control::arm,
+    /// Turns the forces of a running `ca serve` off at once
+    ///
+    /// Obeyed with the next gesture frame, whatever disk, terminal or queue stands still. The model plays on, and so do
+    /// sound and take; `ca arm` turns forces on again. It does not replace a switch that cuts the power of the motors
+    /// (docs/safety.md).
+    Disarm(control::ArmArgs) => control::disarm,
+    /// Shows the state of a running `ca serve`
+    ///
+    /// Prints the gesture frames and sound samples played since the start, the mode of each device and why its forces are
+    /// off, what an armed device waits for, and the records lost; with `--json` also the live parameters in SI units.
+    Status(control::StatusArgs) => control::status,
+    /// Ends a running `ca serve`
+    ///
+    /// Forces go to zero with the next gesture frame; sound file and take are finished, and the summary is printed there.
+    Stop(control::StatusArgs) => control::stop,
+    Replay(take::ReplayArgs) => take::replay::run,
+    Log(take::LogArgs) => take::log::run,
+    Device(device::DeviceArgs) => device::run,
+    Shm(shm::ShmArgs) => shm::run,
+    Completions(completions::CompletionsArgs) => completions::run,
+}

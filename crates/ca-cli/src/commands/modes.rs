@@ -3,7 +3,8 @@
 //! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
 //! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
 
-use crate::args::ModesArgs;
+use crate::args::Source;
+use crate::args::common::count;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
 use ca_compile::Options;
@@ -12,9 +13,37 @@ use ca_io::atomic_file::AtomicFile;
 use ca_lab::catalog;
 use ca_lab::facts::border::ticks;
 use ca_model::quantity::Plain;
+use clap::Args;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Computes the modes of the linear part of a model
+///
+/// For each mode: its frequency without the scheme and as the scheme plays it at this sound rate, the difference in cents,
+/// the time to fall by 60 dB, and how strongly each output hears it, each input pushes it, and each link that is not
+/// linear acts on it, in dB below the mode that is strongest there. Links that are not linear are not part of it, and
+/// named. Parameters have the values of load, moving points stand where they stand at load.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca modes hammered_string
+  ca modes iron_bar --modes 8 --rate '96 kHz'
+  ca modes membrane --shapes shapes.csv
+  ca modes hammered_string --set low.f='220 Hz' --json")]
+pub struct ModesArgs {
+    /// the model
+    #[command(flatten)]
+    pub source: Source,
+    /// How many modes are shown, lowest first
+    #[arg(short = 'n', long, default_value_t = 24, value_name = "N", value_parser = count)]
+    pub modes: usize,
+    /// Writes the shapes as CSV: a row for each place, a column for each mode
+    #[arg(long, value_name = "FILE.csv")]
+    pub shapes: Option<PathBuf>,
+    /// Prints all modes as JSON
+    #[arg(long)]
+    pub json: bool,
+}
 
 /// Ports that fit beside each other on a page; all of them are in the JSON.
 const COLUMNS: usize = 8;

@@ -3,15 +3,37 @@
 //! Decides that the schema is written beside the model and named by a relative path, rather than by an address or a place
 //! of this machine: it is that of this build, works without a network, and moves with the folder.
 
-use crate::args::NewArgs;
+use crate::args::completions;
 use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_io::{atomic_file, reading};
 use ca_lab::catalog;
 use ca_model::schema;
 use ca_model::suggest::nearest;
+use clap::Args;
+use clap_complete::ArgValueCompleter;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Starts a model of your own
+///
+/// Writes a small commented model, a struck string, or a copy of a bundled one. A file that exists is left alone
+/// unless `--force` is given.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca new mine.ca.toml
+  ca new other.ca.toml --from hammered_string
+  ca new other.ca.toml --force")]
+pub struct NewArgs {
+    /// The file to write, `*.ca.toml`
+    pub file: PathBuf,
+    /// `string`, or the name of a bundled model (`ca list models`)
+    #[arg(long, value_name = "NAME", default_value = "string", add = ArgValueCompleter::new(completions::bundled))]
+    pub from: String,
+    /// Overwrites the file
+    #[arg(long)]
+    pub force: bool,
+}
 
 /// The model that `ca new` writes by default.
 pub const STARTER: &str = include_str!("starter.ca.toml");

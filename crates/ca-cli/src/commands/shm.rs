@@ -4,13 +4,41 @@
 //! Servers and devices sweep what killed ones of their own version left; this is for what no program of this version
 //! reads any more, and for looking.
 
-use crate::args::{ShmArgs, ShmWhat};
 use crate::outcome::{Ended, Outcome};
 use crate::term;
 use ca_haptic::host::Site;
 use ca_haptic::host::stale_shm::{self, Group};
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::io::Write as _;
+
+/// Shows or removes what lies in shared memory
+///
+/// Devices and servers of one user meet in the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and in `/dev/shm`. `list` says
+/// what lies there, of which version, and which processes use it. `clean` removes what no living process uses, also of
+/// other versions, and says what; nothing of a living process is touched. Exit code 3 if something could not be removed.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca shm list
+  ca shm clean
+  ca shm list --json")]
+pub struct ShmArgs {
+    /// what to do
+    #[arg(value_enum)]
+    pub what: ShmWhat,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to do with shared memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShmWhat {
+    /// what lies there, and who uses it
+    List,
+    /// removes what nobody uses
+    Clean,
+}
 
 /// Runs the command.
 pub fn run(args: &ShmArgs) -> Outcome {

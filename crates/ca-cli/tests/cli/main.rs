@@ -146,37 +146,25 @@ fn what_is_set_is_told_from_what_is_written() {
     set("stiff=1.5 kN/m").is(0);
 }
 
-/// Commands whose examples run here.
-const RUN: &[&str] = &[
-    "render",
-    "check",
-    "accuracy",
-    "report",
-    "equiv",
-    "modes",
-    "tune",
-    "fit",
-    "sweep",
-    "list",
-    "explain",
-    "new",
-    "import",
-    "play",
-    "serve",
-    "replay",
-    "log",
-    "shm",
-    "completions",
-];
-/// Those that speak to a server (`session/serve.rs`) or are devices (`--test loop verbs`), and one whose examples measure this
-/// machine for minutes (`sound/bench.rs` runs it on less).
+/// Commands whose examples other tests run: those for a running server (`session/serve.rs`), devices (`--test loop verbs`), and
+/// `ca bench`, which takes minutes (`sound/bench.rs` runs it on less).
 const RUN_ELSEWHERE: &[&str] = &["set", "audio", "arm", "disarm", "status", "stop", "device", "bench"];
+
+/// The commands in the list of `ca --help`.
+fn commands(general: &str) -> Vec<&str> {
+    let list = general.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
+    let commands: Vec<&str> =
+        list.lines().filter_map(|l| l.split_whitespace().next()).filter(|c| *c != "help").collect();
+    assert!(commands.len() >= 20, "{commands:?}");
+    commands
+}
 
 #[cfg(unix)]
 #[test]
 fn examples_of_command_help_run() {
     let mut ran = 0;
-    for &command in RUN {
+    let general = Desk::new().ca(&["--help"]).is(0).out;
+    for command in commands(&general).into_iter().filter(|c| !RUN_ELSEWHERE.contains(c)) {
         let desk = Desk::new();
         if ["replay", "log", "report"].contains(&command) {
             session::take::performer::tgr12(&desk.path("take.mcap"));
@@ -185,7 +173,6 @@ fn examples_of_command_help_run() {
             .put("string.mdl", &mims("string.mdl"))
             .put("plucked.sweep.toml", &sound::sweep::plan());
         let help = desk.ca(&[command, "--help"]).is(0).out;
-        let general = desk.ca(&["--help"]).is(0).out;
         assert!(
             general.contains(help.lines().next().unwrap()),
             "{command} says two things of itself:\n{help}\n{general}"
@@ -207,12 +194,7 @@ fn examples_of_command_help_run() {
 fn every_command_explains_itself() {
     let desk = Desk::new();
     let general = desk.ca(&["--help"]).is(0).out;
-    let list = general.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
-    let commands: Vec<&str> =
-        list.lines().filter_map(|l| l.split_whitespace().next()).filter(|c| *c != "help").collect();
-    assert!(commands.len() >= 20, "{commands:?}");
-    for command in commands {
-        assert!(RUN.contains(&command) || RUN_ELSEWHERE.contains(&command), "nobody runs the examples of ca {command}");
+    for command in commands(&general) {
         let help = desk.ca(&[command, "--help"]).is(0).out;
         let about = help.split("Usage:").next().unwrap();
         let paragraphs = about.split("\n\n").filter(|p| !p.trim().is_empty()).count();

@@ -127,10 +127,9 @@ impl Header {
     /// # Errors
     /// Where a file of the model is missing in the take.
     pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
-        let (mut model, found) = if ca_import::reads(&self.file) {
-            ca_import::import(&self.text, &self.file)
-        } else {
-            self.text_of().read(catalog)
+        let (mut model, found) = match ca_import::of(&self.file) {
+            Some(format) => (format.import)(&self.text, &self.file),
+            None => self.text_of().read(catalog),
         };
         for (name, value) in &self.changes {
             if !model.set(name, value) {

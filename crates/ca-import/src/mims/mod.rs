@@ -27,10 +27,20 @@ mod reader;
 mod regular;
 mod types;
 
+use crate::Format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use ca_model::Model;
 use ca_model::diag::Diags;
+
+/// MIMS, for [`FORMATS`](crate::FORMATS).
+pub const FORMAT: Format = Format {
+    name: "MIMS",
+    extension: "mdl",
+    result: "strings and meshes become generators again; numbers stay as they are, in algorithmic units.",
+    decode,
+    import,
+};
 
 /// The text of a MIMS file, whatever wrote it: bytes that are not UTF-8 are Latin-1, which only comments and labels can
 /// hold, and lines that end as on old Macintoshes end as everywhere else.

@@ -336,7 +336,7 @@ class Scene(Measured, Derivatives):
         """
         rate = () if self._asked[0] is None else ("--rate", f"{self._asked[0]!r} Hz")
         devices = any(i.role == "device" for i in self.inputs)
-        return Playing._of(self._model, self._model.toml(), ca, devices, [*rate, *args])
+        return Playing._of(self._model, ca, devices, [*rate, *args])
 
     # what is known of it
 

@@ -54,7 +54,7 @@ def key() -> ca.Scene:
 @pytest.fixture
 def command(tmp_path: Path) -> Iterator[Callable[..., str]]:
     """The command `ca`, in a folder of its own."""
-    path = os.environ["CA"]
+    path = os.environ["CA_COMMAND"]
 
     def run(*args: str) -> str:
         done = subprocess.run([path, *args], cwd=tmp_path, capture_output=True, text=True)

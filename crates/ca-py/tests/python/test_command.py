@@ -17,7 +17,7 @@ def run(*args):
 def test_it_is_the_command(tmp_path):
     own, other = (
         subprocess.run([*program, "check", "rattle", "--json"], capture_output=True, text=True, check=True).stdout
-        for program in (COMMAND, [os.environ["CA"]])
+        for program in (COMMAND, [os.environ["CA_COMMAND"]])
     )
     assert own == other and json.loads(own)["summary"]
     sound = tmp_path / "a.wav"

@@ -105,6 +105,11 @@ def test_force_devices_are_played_by_a_process(monkeypatch):
     with pytest.raises(ca.UsageError, match="environment variable CA"):
         ca.parse(BAR).play()
     monkeypatch.delenv("CA")
+    one = ca.parse(LIVE).play("--audio", "page", ca=os.environ["CA_COMMAND"])
+    assert one.set({"k": 500}) == "k = 500" and one._plays.process.args[0] == os.environ["CA_COMMAND"]
+    one.stop()
+    with pytest.raises(ca.FailedError, match="any more"):
+        one.set({"k": 600})
     with ca.load("piano_key").play("--audio", "page") as playing:
         process = playing._plays.process
         assert process.args[:4] == [sys.executable, "-m", "cordis_anima", "play"]

@@ -3,11 +3,13 @@
 //! Decides that findings go to stderr, where every command shows them, and that the summary, which is what was asked
 //! for, goes to stdout.
 
+mod args;
 mod device;
 mod levels;
 mod schedule;
 
-use crate::args::CheckArgs;
+pub use args::CheckArgs;
+
 use crate::commands::border;
 use crate::commands::render::stability_json;
 use crate::load::{self, Loaded};

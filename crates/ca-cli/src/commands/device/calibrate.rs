@@ -1,6 +1,6 @@
 //! `ca device calibrate`: asks a person for the stops of a device, or takes them from the command line, and writes the calibration.
 
-use crate::args::CalibrateArgs;
+use super::CalibrateArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, term};
 use ca_device_tools::calibrate::{self, Reader, StopReading};

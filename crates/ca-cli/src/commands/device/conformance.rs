@@ -1,6 +1,6 @@
 //! `ca device conformance`: tests a device process, and prints the table.
 
-use crate::args::ConformanceArgs;
+use super::ConformanceArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_device_tools::Message;

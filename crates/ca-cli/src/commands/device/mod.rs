@@ -1,12 +1,14 @@
 //! `ca device`: device processes, simulated and tested. The work is done by [`ca_device_tools`].
 
+mod args;
 mod calibrate;
 mod conformance;
 mod doctor;
 mod list;
 mod sim;
 
-use crate::args::{DeviceArgs, DeviceCommand};
+pub use args::{CalibrateArgs, ConformanceArgs, DeviceArgs, DeviceCommand, ScriptKind, SimArgs};
+
 use crate::outcome::Outcome;
 
 /// Runs the command.

@@ -1,6 +1,6 @@
 //! `ca device sim`: a device that is a process, and no hardware. The device is simulated by [`ca_device_tools::simulator`].
 
-use crate::args::{ScriptKind, SimArgs};
+use super::{ScriptKind, SimArgs};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_device_tools::simulator::{Simulation, Simulator, Summary};

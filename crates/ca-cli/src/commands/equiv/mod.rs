@@ -4,9 +4,12 @@
 //! from compiling that text: what is printed is what the file will do. α and β are shown to those who ask (GENESIS
 //! paper, 6.4: nobody ever has to touch them).
 
+mod args;
 mod table;
 
-use crate::args::{EquivArgs, Source};
+pub use args::{EquivArgs, WriteTo};
+
+use crate::args::Source;
 use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
@@ -23,16 +26,16 @@ use std::path::Path;
 pub fn run(args: &EquivArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
     let mut scene = load::scene(&loaded, &Options::default())?;
-    let imported = loaded.is_imported();
-    let mut text = if imported { write::write(&loaded.model) } else { loaded.model.text.clone() };
+    let format = loaded.format();
+    let mut text = if format.is_some() { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
         text = changed(&text, &loaded.model, &scene.hand.equivalence, args)?;
         loaded = ca_lab::load::reread(&loaded, &text);
         scene = load::scene(&loaded, &Options::default())?;
     }
     if args.to.in_place {
-        if imported {
-            let why = "a MIMS file holds no equivalences; name a file by `--write FILE.ca.toml`";
+        if let Some(format) = format {
+            let why = format!("a {} file holds no equivalences; name a file by `--write FILE.ca.toml`", format.name);
             return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
         }
         atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;

@@ -2,10 +2,13 @@
 //!
 //! This file says and writes; `ca_fit` fits.
 
+mod args;
 mod write;
 
+pub use args::FitArgs;
+
 use super::render;
-use crate::args::{FitArgs, Playing, Source};
+use crate::args::{Playing, Source};
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
@@ -32,8 +35,9 @@ pub fn run(args: &FitArgs) -> Outcome {
     if args.to_file.in_place {
         load::own_file(&args.model)?;
     }
-    if writes && loaded.is_imported() {
-        return Err(Failure::Usage("a MIMS file cannot be written; `ca import` makes a model file of it".into()));
+    if let (true, Some(format)) = (writes, loaded.format()) {
+        let what = format!("a {} file cannot be written; `ca import` makes a model file of it", format.name);
+        return Err(Failure::Usage(what));
     }
     // what is varied is written with its value found, wherever it started
     if let Some((name, _)) = args.set.iter().find(|(name, _)| writes && !args.vary.contains(name)) {

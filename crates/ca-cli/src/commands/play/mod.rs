@@ -1,8 +1,10 @@
 //! `ca play`: a model in the browser. This is `ca serve` with a page.
 
+mod args;
 mod browser;
 
-use crate::args::PlayArgs;
+pub use args::PlayArgs;
+
 use crate::commands::serve;
 use crate::outcome::Outcome;
 use ca_live::PageOptions;

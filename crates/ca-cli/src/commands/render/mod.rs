@@ -4,13 +4,16 @@
 //! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite, and after a
 //! divergence within full scale, but never called a success.
 
+mod args;
 mod play;
 mod summary;
+
+pub use args::{Kernel, RenderArgs, SampleFormat};
 
 pub(crate) use play::{Progress, listen, play, stopped};
 pub(crate) use summary::stability_json;
 
-use crate::args::{Kernel, Playing, RenderArgs, SampleFormat};
+use crate::args::Playing;
 use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};

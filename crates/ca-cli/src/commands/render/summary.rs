@@ -1,8 +1,8 @@
 //! What is said of a render: on stdout as text or JSON, on stderr what went wrong.
 
 use super::Probe;
+use super::RenderArgs;
 use super::play::Audit;
-use crate::args::RenderArgs;
 use crate::commands::border;
 use crate::load::ticked;
 use crate::outcome::Failure;

@@ -1,8 +1,10 @@
 //! `ca serve`: a model played in real time by device processes ([`ca_live`]).
 
+mod args;
 mod summary;
 
-use crate::args::{ClockKind, ServeArgs};
+pub use args::{ClockKind, ServeArgs};
+
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, outputs, term};
 use ca_haptic::serve::Shared;

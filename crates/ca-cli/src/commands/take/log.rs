@@ -3,7 +3,7 @@
 //! Decides that a file which exists is left alone unless `--force` is given, that saving writes a new file, and that
 //! something lost is exit code 3: the command did what was asked, and the take is less than the performance was.
 
-use crate::args::{LogArgs, LogCommand};
+use super::{LogArgs, LogCommand};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_haptic::take::{End, Summary, Take, export, recover};

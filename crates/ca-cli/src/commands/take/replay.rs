@@ -3,7 +3,7 @@
 //! Decides that comparing is what a replay is for, so it always does; what differs between plain and `--verify` is only
 //! whether a difference is a failure (a test of a build) or news (another version, another machine).
 
-use crate::args::ReplayArgs;
+use super::ReplayArgs;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_core::ARITHMETIC;

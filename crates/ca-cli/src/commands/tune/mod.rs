@@ -1,8 +1,11 @@
 //! `ca tune`: parts of a model brought to a pitch.
 
+mod args;
 mod pitch;
 
-use crate::args::{Source, TuneArgs};
+pub use args::{Scale, TuneArgs};
+
+use crate::args::Source;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
@@ -18,8 +21,9 @@ use std::path::Path;
 /// Runs the command.
 pub fn run(args: &TuneArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
-    if loaded.is_imported() {
-        return Err(Failure::Usage("a MIMS file cannot be tuned; `ca import` makes a model file of it".into()));
+    if let Some(format) = loaded.format() {
+        let what = format!("a {} file cannot be tuned; `ca import` makes a model file of it", format.name);
+        return Err(Failure::Usage(what));
     }
     load::scene(&loaded, &Options::default())?;
     let targets = targets(args, &loaded.model)?;

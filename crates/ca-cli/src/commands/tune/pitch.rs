@@ -1,6 +1,6 @@
 //! Pitches as people write them: hertz, or notes with octave and cents; and scales.
 
-use crate::args::Scale;
+use super::Scale;
 use ca_core::Unit;
 use ca_model::quantity;
 

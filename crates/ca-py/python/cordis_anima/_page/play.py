@@ -87,6 +87,8 @@ class _Program:
         return list(self._lines)
 
     def set(self, values: list[tuple[str, str]]) -> str:
+        if not self.is_playing():
+            raise FailedError("the scene does not play any more")
         words = [f"{name}={value}" for name, value in values]
         told = subprocess.run([*self._ca, "set", *words], capture_output=True, text=True)
         if told.returncode:
@@ -128,7 +130,6 @@ class Playing:
     def _of(
         cls,
         model: _core.Model,
-        text: str,
         program: str | os.PathLike[str] | None,
         devices: bool,
         args: Sequence[str],
@@ -138,9 +139,9 @@ class Playing:
         args = ["--framed", *args]
         # forces on a hand do not depend on what else this process does
         if devices or program is not None or "CA" in os.environ:
-            made._plays = _Program(_program(program), name, text, args)
+            made._plays = _Program(_program(program), name, model.toml(), args)
         else:
-            made._plays = _core.Performance(name, text, args)
+            made._plays = _core.Performance(model, name, args)
         made._end = weakref.finalize(made, made._plays.stop)
         address = made._plays.address()
         if address is None:

@@ -1,4 +1,4 @@
-//! Takes: played again, looked into, saved, taken apart.
+//! Arguments of `ca replay` and `ca log`.
 
 use clap::{Args, Subcommand};
 use std::path::PathBuf;

@@ -1,8 +1,8 @@
-//! Parts of a model, tuned.
+//! Arguments of `ca tune`.
 
-use super::common::quantity_of;
-use super::completions;
-use super::equiv::WriteTo;
+use crate::args::common::quantity_of;
+use crate::args::completions;
+use crate::commands::equiv::WriteTo;
 use ca_core::Unit;
 use clap::{Args, ValueEnum};
 use clap_complete::ArgValueCompleter;

@@ -1,8 +1,8 @@
-//! A model fitted to a recording.
+//! Arguments of `ca fit`.
 
-use super::common::{pair, quantity_of};
-use super::completions;
-use super::equiv::WriteTo;
+use crate::args::common::{pair, quantity_of};
+use crate::args::completions;
+use crate::commands::equiv::WriteTo;
 use ca_core::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;

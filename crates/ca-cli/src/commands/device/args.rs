@@ -1,6 +1,6 @@
-//! `ca device`: what can be typed.
+//! Arguments of `ca device`.
 
-use super::common::{hertz, metres, seconds, speed};
+use crate::args::common::{hertz, metres, seconds, speed};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
-//! Playing in the browser.
+//! Arguments of `ca play`.
 
-use super::ServeArgs;
+use crate::commands::serve::ServeArgs;
 use clap::Args;
 
 /// Plays a model in the browser: you see it move, touch it, and hear it

@@ -1,7 +1,7 @@
-//! Playing in real time, and what is said to it.
+//! Arguments of `ca serve`.
 
-use super::Source;
-use super::common::{count, pair, seconds};
+use crate::args::Source;
+use crate::args::common::{count, seconds};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -95,93 +95,4 @@ pub enum ClockKind {
     Monotonic,
     /// each frame of the first device
     Device,
-}
-
-/// Changes parameters of a running `ca serve` or `ca play`
-///
-/// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
-/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
-/// Any other number, as by `--set`, makes the model of `ca play` anew, which plays on; what is wrong with it is told there.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca set
-  ca set k='900 N/m' z=0.5")]
-pub struct SetArgs {
-    /// What to change
-    #[arg(value_name = "NAME=VALUE", value_parser = pair)]
-    pub values: Vec<(String, String)>,
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Shows or chooses what plays the sound of a running `ca serve` or `ca play`
-///
-/// Without a name it says what plays, and what may: a server (`jack`, `pulse`), with the feature `audio` a sound device by name, and
-/// `page`, the page of `ca play`. With a name the sound goes there from now on, while the model plays on; what does not open leaves it
-/// where it is. A device that goes away is waited for, and the sound comes back to it.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca audio
-  ca audio --json")]
-pub struct AudioArgs {
-    /// The server, the sound device, or `page`
-    pub device: Option<String>,
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Of which device forces are turned on or off; what it does is said where the commands are listed.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca arm
-  ca arm tgr12
-  ca disarm")]
-pub struct ArmArgs {
-    /// One device; all of them if left out
-    pub device: Option<String>,
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Shows the state of a running `ca serve`, or ends it
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca status
-  ca status --json
-  ca stop")]
-pub struct StatusArgs {
-    /// Prints the answer as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Shows or removes what lies in shared memory
-///
-/// Devices and servers of one user meet in the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and in `/dev/shm`. `list` says
-/// what lies there, of which version, and which processes use it. `clean` removes what no living process uses, also of
-/// other versions, and says what; nothing of a living process is touched. Exit code 3 if something could not be removed.
-#[derive(Args)]
-#[command(after_long_help = "Examples:
-  ca shm list
-  ca shm clean
-  ca shm list --json")]
-pub struct ShmArgs {
-    /// what to do
-    #[arg(value_enum)]
-    pub what: ShmWhat,
-    /// As JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// What to do with shared memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ShmWhat {
-    /// what lies there, and who uses it
-    List,
-    /// removes what nobody uses
-    Clean,
 }

@@ -1,7 +1,7 @@
-//! How large and how heavy a model is in the hand.
+//! Arguments of `ca equiv`.
 
-use super::common::{pair, quantity_of};
-use super::completions;
+use crate::args::common::{model_help, pair, quantity_of};
+use crate::args::completions;
 use ca_core::Unit;
 use clap::Args;
 use clap_complete::ArgValueCompleter;
@@ -24,8 +24,8 @@ use std::path::PathBuf;
   ca equiv heavy.ca.toml --key 'key[2].key' --lever 2 --verbose")]
 #[command(group(clap::ArgGroup::new("own").multiple(true)))]
 pub struct EquivArgs {
-    /// `*.ca.toml` file, MIMS `.mdl` file, name of a bundled model, or `-` for standard input
-    #[arg(add = ArgValueCompleter::new(completions::models))]
+    /// the model
+    #[arg(help = model_help(), add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// Makes so much in the hand equal so much in the model, e.g. mass=20g:1.0; once or twice
     #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence)]
