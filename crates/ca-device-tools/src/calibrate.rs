@@ -10,6 +10,7 @@ use ca_haptic::frame::{DeviceFrame, text};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{Gateway, Site};
 use ca_haptic::profile::Profile;
+use std::fmt;
 use std::time::{Duration, Instant};
 
 /// Frames of a reading.
@@ -60,17 +61,33 @@ pub fn calibration(
     Ok(Calibration { device: device.into(), by, axis: axes })
 }
 
+/// Readings at two stops that give no line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoLine {
+    /// reading at the low stop
+    pub low: f64,
+    /// reading at the high stop
+    pub high: f64,
+}
+
+impl fmt::Display for NoLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let NoLine { low, high } = self;
+        write!(f, "it says {low} at its low stop and {high} at its high one: two different numbers are needed")
+    }
+}
+
+impl std::error::Error for NoLine {}
+
 /// The line through two stops; the factor of forces stays.
 ///
 /// # Errors
-/// If the stops are not two numbers.
-pub fn axis([low, high]: [f64; 2], profile: &Profile, old: Option<&Axis>) -> Result<Axis, String> {
+/// If the stops are not two different numbers.
+pub fn axis([low, high]: [f64; 2], profile: &Profile, old: Option<&Axis>) -> Result<Axis, NoLine> {
     let [a, b] = profile.range;
     let scale = (b - a) / (high - low);
     if !(scale.is_finite() && low.is_finite() && scale != 0.0) {
-        return Err(format!(
-            "it says {low} at its low stop and {high} at its high one: two different numbers are needed"
-        ));
+        return Err(NoLine { low, high });
     }
     Ok(Axis { scale, offset: a - scale * low, force: old.map_or(1.0, |o| o.force) })
 }

@@ -3,9 +3,53 @@
 use crate::coupling;
 use crate::engine::Setup;
 use crate::frame::About;
-use crate::profile::Profile;
+use crate::profile::{Profile, ProfileFault};
 use ca_core::{Input, Scene, Unit};
 use ca_model::quantity::{show, six};
+use std::fmt;
+
+/// Why a scene is not played with a device that describes itself.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum NotAdmitted {
+    /// the device says what cannot be
+    Profile(ProfileFault),
+    /// the device has fewer degrees of freedom than the scene uses
+    Freedom {
+        /// degrees of freedom of the device
+        has: u32,
+        /// degrees of freedom that the scene uses
+        wanted: u32,
+    },
+    /// a key is stiffer in the hand than the device holds
+    Stiff {
+        /// the key
+        key: String,
+        /// its stiffness \[N/m\]
+        stiffness: f64,
+    },
+}
+
+impl fmt::Display for NotAdmitted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotAdmitted::Profile(fault) => fault.fmt(f),
+            NotAdmitted::Freedom { has, wanted } => {
+                write!(f, "the model uses {wanted} of its degrees of freedom and it has {has}: it is not played")
+            }
+            NotAdmitted::Stiff { key, stiffness } => {
+                let k = show(six(*stiffness), Unit::STIFFNESS);
+                write!(
+                    f,
+                    "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in \
+                     a profile (`--profile`)"
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for NotAdmitted {}
 
 /// A device without a profile, which describes itself.
 #[derive(Clone, Debug)]
@@ -20,25 +64,20 @@ impl Undescribed {
     /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
     ///
     /// # Errors
-    /// In words, if the device says what cannot be, or what this scene cannot be played with.
-    pub fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, String> {
-        let p = self.most.described(about)?;
+    /// [`NotAdmitted`]; the setup is unchanged then.
+    pub fn fit(&self, setup: &mut Setup, about: &About, scene: &Scene) -> Result<Option<String>, NotAdmitted> {
+        let p = self.most.described(about).map_err(NotAdmitted::Profile)?;
         let of = |i: &Input| i.device.as_ref().is_some_and(|d| d.0 == setup.device && d.1 < p.dof);
         if p.dof < self.wanted && (p.axes > 1 || !scene.inputs.iter().any(of)) {
-            let (n, wanted) = (p.dof, self.wanted);
-            return Err(format!("the model uses {wanted} of its degrees of freedom and it has {n}: it is not played"));
+            return Err(NotAdmitted::Freedom { has: p.dof, wanted: self.wanted });
         }
         if p == setup.profile {
             return Ok(None);
         }
         let said = Setup { profile: p, ..setup.clone() };
         // couplings were chosen for what such a device holds as far as was known
-        if let Some((key, k)) = coupling::beyond(scene, &said) {
-            let k = show(six(k), Unit::STIFFNESS);
-            return Err(format!(
-                "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in a \
-                 profile (`--profile`)"
-            ));
+        if let Some((key, stiffness)) = coupling::beyond(scene, &said) {
+            return Err(NotAdmitted::Stiff { key, stiffness });
         }
         *setup = said;
         let p = &setup.profile;

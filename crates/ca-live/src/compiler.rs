@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// The files that a model takes parts from, and the result.
-type Making = (Vec<String>, Result<Box<Made>, String>);
+type Making = (Vec<String>, Result<Box<Made>, session::Refused>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(crate) struct Compiler {
@@ -39,7 +39,7 @@ impl Compiler {
 }
 
 impl Maker for Compiler {
-    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), ca_session::Refused> {
+    fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), session::Refused> {
         let (source, changes, options) = (self.source.clone(), changes.to_vec(), self.options.clone());
         let setups = setups.to_vec();
         let (tell, making) = channel();
@@ -89,11 +89,13 @@ fn make(
     (options, setups): (Options, &[Setup]),
     anew: bool,
     files: &mut Vec<String>,
-) -> Result<Box<Made>, String> {
-    let words = |e: Failure| match e {
-        Failure::Usage(text) | Failure::Failed(text) => text,
-        Failure::Found(found) => render::text(&found.diags, &found.model, false),
-        Failure::Stopped => "stopped".into(),
+) -> Result<Box<Made>, session::Refused> {
+    let words = |e: Failure| {
+        session::Refused::from(match e {
+            Failure::Usage(text) | Failure::Failed(text) => text,
+            Failure::Found(found) => render::text(&found.diags, &found.model, false),
+            Failure::Stopped => "stopped".into(),
+        })
     };
     let mut loaded = (source.read)().map_err(words)?;
     *files = load::part_files(&loaded.model);

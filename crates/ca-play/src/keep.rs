@@ -70,9 +70,9 @@ pub struct Keep {
     tape: Option<Tape>,
     line: TapeSink,
     /// files that are being finished
-    ends: Vec<Receiver<Result<String, String>>>,
+    ends: Vec<Receiver<Result<String, FileError>>>,
     /// that of a take
-    saves: Option<Receiver<Result<String, String>>>,
+    saves: Option<Receiver<Result<String, FileError>>>,
 }
 
 impl Keep {
@@ -94,17 +94,17 @@ impl Keep {
                 Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
                 None => format!("{} could not be written to its end", path.display()),
             };
-            written.map(told).map_err(|e| e.to_string())
+            written.map(told)
         });
         self.ends.push(end);
         Some(text)
     }
 
     /// A file that is not there yet.
-    fn free(&self, ending: &str) -> Result<PathBuf, String> {
+    fn free(&self, ending: &str) -> Result<PathBuf, ca_session::Refused> {
         let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
         let free = (1..TRIES).map(path).find(|p| !p.exists());
-        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem))
+        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem).into())
     }
 }
 
@@ -122,9 +122,9 @@ impl Files for Keep {
         if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
             recorder.say(true, format!("{} is not recorded any more: {e}", tape.path.display()));
         }
-        let mut waits = |end: &Receiver<Result<String, String>>| match end.try_recv() {
+        let mut waits = |end: &Receiver<Result<String, FileError>>| match end.try_recv() {
             Ok(came) => {
-                recorder.say(came.is_err(), came.unwrap_or_else(|why| why));
+                recorder.say(came.is_err(), came.unwrap_or_else(|why| why.to_string()));
                 false
             }
             Err(e) => e == TryRecvError::Empty,
@@ -169,14 +169,14 @@ impl Files for Keep {
 }
 
 /// Does work that may wait for a disk on a new thread, and gives its result.
-fn aside(work: impl FnOnce() -> Result<String, String> + Send + 'static) -> Receiver<Result<String, String>> {
+fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> Receiver<Result<String, FileError>> {
     let (tell, end) = channel();
     let done = tell.clone();
     let run = move || {
         let _ = done.send(work());
     };
     if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
-        let _ = tell.send(Err(format!("no thread to write with: {e}")));
+        let _ = tell.send(Err(FileError::content(format!("no thread to write with: {e}"))));
     }
     end
 }

@@ -65,10 +65,10 @@ impl Edit {
 
     /// Takes a version that was compiled for devices of these setups, or the reason why there is none, and begins the next
     /// compilation. To be called every few milliseconds.
-    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, String>> {
+    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, Refused>> {
         self.again |= self.maker.is_new();
         if let Some(why) = self.maker.gone() {
-            return Some(Err(why));
+            return Some(Err(why.into()));
         }
         let mut made = match self.maker.poll() {
             Making::Busy => return None,
@@ -96,7 +96,7 @@ impl Edit {
         if core::mem::take(&mut self.again) {
             self.tried.clone_from(&self.changes);
             if let Err(why) = self.maker.start(&self.changes, core::mem::take(&mut self.anew), setups) {
-                return Some(Err(why.into()));
+                return Some(Err(why));
             }
         }
         made

@@ -43,8 +43,8 @@ pub enum Making {
     Idle,
     /// it goes on
     Busy,
-    /// it ended: the version, or in words why the model cannot be played
-    Done(Result<Box<Made>, String>),
+    /// it ended: the version, or why the model cannot be played
+    Done(Result<Box<Made>, Refused>),
 }
 
 /// Compiles new versions of the model, one at a time and beside the engine.

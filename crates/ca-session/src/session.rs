@@ -201,7 +201,7 @@ impl Session {
         let ok = made.is_ok();
         bad |= !ok;
         self.plays &= ok;
-        let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why));
+        let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why.to_string()));
         self.pages.tell_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }

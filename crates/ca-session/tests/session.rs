@@ -28,13 +28,13 @@ push = { to = "bob" }
 out = { from = "bob", gain = 200 }
 "#;
 
-fn scene(changes: &[(String, String)]) -> Result<Arc<Scene>, String> {
+fn scene(changes: &[(String, String)]) -> Result<Arc<Scene>, Refused> {
     let text = changes.iter().fold(MODEL.to_string(), |text, (name, value)| match name.as_str() {
         "bob.m" => text.replace("5 g", value),
         _ => text + "[?]",
     });
     let (_, scene) = ca_compile::load(&text, "bob.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
-    scene.map(|c| Arc::new(c.scene)).map_err(|found| format!("{found:?}"))
+    scene.map(|c| Arc::new(c.scene)).map_err(|found| format!("{found:?}").into())
 }
 
 /// Everything that pages were sent.
@@ -99,7 +99,7 @@ impl Language for Numbers {
 
 /// Compiles at once.
 #[derive(Default)]
-struct Compiler(Option<Result<Box<Made>, String>>);
+struct Compiler(Option<Result<Box<Made>, Refused>>);
 
 impl Maker for Compiler {
     fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), Refused> {

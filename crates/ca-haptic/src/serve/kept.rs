@@ -3,6 +3,7 @@
 //! It is written without sound into a temporary file, whose name is removed at once, so that the system removes the file with the
 //! process. New threads write the files.
 
+use super::Refused;
 use super::sink::{Sink, SinkStreams};
 use super::{AsyncSink, BufferLimits, Recorder, SinkHandle};
 use crate::record::Record;
@@ -32,7 +33,7 @@ type Saving = Arc<Mutex<Option<Save>>>;
 
 struct Save {
     to: PathBuf,
-    tell: Sender<Result<String, String>>,
+    tell: Sender<Result<String, FileError>>,
 }
 
 /// Writes the take, and saves a copy of it at a mark: every record from before the mark is written by then.
@@ -47,7 +48,7 @@ impl KeptSink {
         let Some(Save { to, tell }) = self.saving.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
         let saved = self.writer.flush().and_then(|()| recover(&self.path, &to));
         let said = |s: Recovered| format!("saved {:.1} s as {}; `ca replay` plays it again", s.seconds, to.display());
-        let _ = tell.send(saved.map(said).map_err(|e| e.to_string()));
+        let _ = tell.send(saved.map(said));
     }
 }
 
@@ -89,7 +90,7 @@ impl Kept {
     ///
     /// # Errors
     /// If the engine takes no command.
-    pub fn save(&self, to: PathBuf, recorder: &mut Recorder) -> Result<Receiver<Result<String, String>>, String> {
+    pub fn save(&self, to: PathBuf, recorder: &mut Recorder) -> Result<Receiver<Result<String, FileError>>, Refused> {
         let (tell, end) = channel();
         let saving = |save| *self.saving.lock().unwrap_or_else(PoisonError::into_inner) = save;
         saving(Some(Save { to, tell }));
