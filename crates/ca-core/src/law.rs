@@ -24,7 +24,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T
 pub struct Bound {
     /// largest slope against elongation \[N/m\]
     pub k: f64,
-    /// the part of `k` that the law has at some elongations only, as of a table \[N/m\]
+    /// the part of `k` that the law has at some elongations only, as of a table or of a spring that softens \[N/m\]
     pub loose: f64,
     /// largest slope against change of elongation per tick \[N per m/tick\]
     pub z: f64,

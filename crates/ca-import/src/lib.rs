@@ -37,7 +37,7 @@ pub struct Format {
 /// All formats. A file without a known extension is imported as the first of them.
 pub const FORMATS: &[Format] = &[mims::FORMAT];
 
-/// The format of a file, by its extension; none for a model of ours.
+/// The format of a file, by its extension; none for our own.
 ///
 /// ```
 /// assert_eq!(ca_import::of("old/String.MDL").map(|f| f.name), Some("MIMS"));
@@ -48,7 +48,7 @@ pub fn of(file: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|f| extension.eq_ignore_ascii_case(f.extension))
 }
 
-/// The format that `ca import` reads a file in: that of its extension, or the first.
+/// The format in which `ca import` reads a file: by its extension, or else the first.
 pub fn assumed(file: &str) -> &'static Format {
     of(file).unwrap_or(&FORMATS[0])
 }

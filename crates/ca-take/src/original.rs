@@ -32,7 +32,7 @@ impl Original {
             let mut changed = original.clone();
             let known = changes.iter().all(|(name, text)| changed.model.set(name, text));
             changed.look();
-            // a model with findings of the reader has no bytes
+            // `bytes` refuses a model with findings of the reader
             if known && bytes::bytes(&changed).is_ok_and(|a| bytes::bytes(loaded).is_ok_and(|b| a == b)) {
                 return Ok(Original { loaded: original, changes, played: loaded.clone() });
             }

@@ -1,6 +1,6 @@
 //! A model with what was found in it and what the files it names hold: everything that is needed to compile it.
 //!
-//! The extension tells the format: that of a format in [`ca_import::FORMATS`], or else a model of ours.
+//! The extension tells the format: one of [`ca_import::FORMATS`], or else our own.
 
 use crate::error::{Error, Found};
 use ca_compile::load::finish;

@@ -36,7 +36,7 @@ fn played_pitch(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
 }
 
 /// Everything that `f` tunes: its section, the name of mass `i` in it, and the shape of its first mode; where masses differ,
-/// times the mass of each, so that no other mode is heard in the sum.
+/// times the mass of each, so that no other mode is heard in the sum. The first mass of a row is pushed: one that moves in that mode.
 fn tuned(f: f64, t60: f64) -> Vec<(String, Vec<String>, Vec<f64>)> {
     let row = |n: usize| (1..=n).map(|j| (PI * j as f64 / (n + 1) as f64).sin()).collect::<Vec<f64>>();
     let names = |n: usize| (0..n).map(|i| format!("x[{i}]")).collect::<Vec<_>>();

@@ -1,13 +1,12 @@
 //! `crates/ca-model/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation and of
 //! `ca explain` sees it.
 //!
-//! A section `## E004 unknown parameter` holds prose, then a `toml` block (or `mdl`, a MIMS model to import) and right
+//! A section `## E004 unknown parameter` holds prose, then a `toml` block (or one of the extension of another program, such as `mdl` of MIMS) and right
 //! after it a `text` block with the report expected. `UPDATE=1 cargo test $ALL --test suite -- diagnostics` ($ALL is in
 //! CONTRIBUTING.md) writes the reports anew; the difference is reviewed like code.
 
 use ca_compile::{Options, load};
 use ca_core::internal::kind::cloud::{Cloud, Unread};
-use ca_import::mims;
 use ca_model::diag::CODES;
 use ca_model::{Model, render};
 use ca_tests::catalog;
@@ -17,9 +16,10 @@ use std::path::{Path, PathBuf};
 
 /// The one place that says what is reported of a text.
 fn report(language: &str, text: &str) -> String {
-    let (model, diags) = if language == "mdl" {
-        let diags = mims::import(text, "model.mdl").1;
-        (Model { file: "model.mdl".into(), text: text.into(), ..Model::default() }, diags)
+    let file = format!("model.{language}");
+    let (model, diags) = if let Some(format) = ca_import::of(&file) {
+        let diags = (format.import)(text, &file).1;
+        (Model { file, text: text.into(), ..Model::default() }, diags)
     } else {
         // what lies beside the model: a drawing with a seam, and one that is cut short
         let seam = Cloud { points: vec![[0.0; 3], [0.1, 0.0, 0.0]], edges: vec![[0, 1]], merged: 2, flat: 1 };
@@ -90,7 +90,7 @@ fn walk(doc: &str) -> (Vec<Case>, String) {
                     waiting = false;
                 } else {
                     let _ = write!(fresh, "```{language}\n{body}```\n");
-                    if matches!(language, "toml" | "mdl") {
+                    if language == "toml" || ca_import::of(&format!("model.{language}")).is_some() {
                         let (heading, language) = (heading.clone(), language.to_string());
                         cases.push(Case { line: i + 1, heading, language, input: body, expected: None });
                         waiting = true;

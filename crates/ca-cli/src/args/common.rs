@@ -52,7 +52,7 @@ impl Source {
     }
 }
 
-/// What `--help` says of the argument that names a model.
+/// The help of the argument that names a model.
 pub(crate) fn model_help() -> String {
     let formats = imported(|f| format!("{} `.{}` file, ", f.name, f.extension));
     format!("`*.ca.toml` file, {formats}name of a bundled model, or `-` for standard input")

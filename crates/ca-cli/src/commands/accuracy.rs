@@ -36,7 +36,7 @@ pub struct AccuracyArgs {
     /// Multiples of the sound rate to try
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub times: Vec<u32>,
-    /// Multiple of the sound rate at which the reference is computed, where there is no closed form
+    /// Multiple of the sound rate at which a reference without closed form is computed
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=4096))]
     pub reference: u32,
     /// Listens to these instead of the outputs: `low[3]`, `strike`; repeatable

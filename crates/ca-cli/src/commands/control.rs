@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
   ca set
   ca set k='900 N/m' z=0.5")]
 pub struct SetArgs {
-    /// What to change
+    /// Parameters and their new values
     #[arg(value_name = "NAME=VALUE", value_parser = pair)]
     pub values: Vec<(String, String)>,
     /// Prints the answer as JSON

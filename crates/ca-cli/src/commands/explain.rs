@@ -17,7 +17,7 @@ use std::io::Write as _;
 ///
 /// Prints the page of a code such as E013: what it means, models that have the finding, and what is said of each and how
 /// it is mended. Without a code: all of them with their titles; E are errors, for which nothing is compiled, W warnings, N
-/// notes. The pages are part of the program, and those of its version.
+/// notes. The pages are part of this program.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca explain

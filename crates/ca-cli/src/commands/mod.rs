@@ -68,7 +68,7 @@ commands! {
     /// Turns the forces of a running `ca serve` on
     ///
     /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed
-    /// device waits for. After a fault forces stay off until somebody arms again; a model that diverged is loaded again first.
+    /// device waits for. After a fault forces stay off until you arm again; a model that diverged is loaded again first.
     Arm(control::ArmArgs) => control::arm,
     /// Turns the forces of a running `ca serve` off at once
     ///

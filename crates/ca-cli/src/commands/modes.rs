@@ -34,7 +34,7 @@ pub struct ModesArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// How many modes are shown, lowest first
+    /// Number of modes, lowest first
     #[arg(short = 'n', long, default_value_t = 24, value_name = "N", value_parser = count)]
     pub modes: usize,
     /// Writes the shapes as CSV: a row for each place, a column for each mode

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Writes a page about a model or a take
 ///
-/// One HTML file that opens anywhere and asks nobody for anything: the sound with its waveform, spectrogram and spectrum,
+/// One HTML file that opens anywhere and needs no network: the sound with its waveform, spectrogram and spectrum,
 /// the modes of the linear part, the motion of modules, the energy ledger, error against run time of its beginning, what is
 /// proven of stability, and the model itself.
 /// A model is played as by `ca render`, with the energy ledger kept. A take (`*.mcap`) is shown as it was: gestures, forces,

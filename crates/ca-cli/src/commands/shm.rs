@@ -31,12 +31,12 @@ pub struct ShmArgs {
     pub json: bool,
 }
 
-/// What to do with shared memory.
+/// An action on shared memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ShmWhat {
-    /// what lies there, and who uses it
+    /// what lies there, and which processes use it
     List,
-    /// removes what nobody uses
+    /// removes what no process uses
     Clean,
 }
 

@@ -57,10 +57,10 @@ pub struct SweepArgs {
     /// The plan, `*.sweep.toml`
     #[arg(value_name = "PLAN.toml")]
     pub plan: PathBuf,
-    /// Folder of sounds and rows; that of the plan, or its name beside it, if left out
+    /// Folder of sounds and rows; if left out, the folder in the plan, or one beside the plan with its name
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Does the K-th of N parts only; each may run on a machine of its own, in the same folder
+    /// Does the K-th of N parts only; the parts may run on several machines, in the same folder
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub shard: Option<(u64, u64)>,
     /// Threads; as many as there are cores if left out

@@ -72,7 +72,7 @@ pub struct RenderArgs {
     pub json: bool,
 }
 
-/// How samples are stored.
+/// The format of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SampleFormat {
     /// 32-bit floats
