@@ -127,13 +127,15 @@ fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
 }
 
 /// The order in which runs at three rates come together, of a bar under a hand that moves at a steady speed from before
-/// the first tick.
+/// the first tick. Such a port runs a tick late, so it is told where the hand is a tick later.
 fn converges(link: &str, method: &str, slowest: f64) -> f64 {
     let run = |times: usize| -> Vec<f64> {
         let rate = slowest * times as f64;
         let text = format!(
             "[model]\n{method}\n[rate]\nsound = {rate:?}\ngesture = {rate:?}\n[CEL]\nbar = {{ m = 0.01, k = 600, v = 0.1 }}\n[ENX]\nhand = {{}}\n\
-             {link}\n[SOX]\nout = {{ from = \"bar\" }}\n[gesture]\nhand = [[0, 0.01], [1, 0.41]]\n"
+             {link}\n[SOX]\nout = {{ from = \"bar\" }}\n[gesture]\nhand = [[0, {:?}], [1, {:?}]]\n",
+            0.01 + 0.4 / rate,
+            0.41 + 0.4 / rate
         );
         let scene = scene(&text);
         let i = mat(&scene, "bar");

@@ -53,7 +53,7 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     implicit::choose(&mut net);
     specialise::specialise(model, &mut net, &mut diags);
     let mut net = prune::prune(model, net, options, &mut diags);
-    solve_order::choose(model, &mut net, &mut diags);
+    solve_order::choose(model, &mut net, options.arithmetic, &mut diags);
     implicit::check(model, &net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);

@@ -12,6 +12,7 @@ impl Pass {
             Pass::Links => |_, _, _| {},
             Pass::Enx => pass::enx,
             Pass::DevicesIn(way, late) => border::position(way, late),
+            Pass::Ahead => pass::ahead,
             Pass::ModalPorts => pass::sum,
             Pass::Driven => driven::drive,
             Pass::Points => pass::project,

@@ -9,14 +9,14 @@ use ca_core::internal::method::coulomb::{self, MEM, hold};
 use ca_core::internal::method::{free_motion, mobility};
 use ca_core::internal::op::layout::Layout;
 use ca_core::internal::op::links::measure::{Elongation, Line, Measure, Radial};
-use ca_core::internal::op::{Form, Kernel, LawEntry, LawFns, MeasureKind, Op, SolveStage};
+use ca_core::internal::op::{Form, Kernel, LawEntry, LawFns, MeasureKind, Op, SolveStage, Together};
 use ca_core::internal::phi;
 use ca_core::{Law, Real, State};
 
 /// With `curve = "coulomb"` and `method = "set-valued"`.
 pub static LAW: Law = Law {
     code: "LPR_BOW set-valued",
-    stage: SolveStage::Single(&LAW),
+    stage: SolveStage::Single(Together::same(&LAW)),
     fns: LawFns { kernel, ..phi::bow::SET_VALUED.fns },
     ..phi::bow::SET_VALUED
 };

@@ -313,11 +313,14 @@ fn draw(scene: &Scene, law: &Bow, fs: f64) -> Vec<f64> {
     let mut s: State = scene.state();
     s.tick = 1;
     s.x[bow] = -law.speed / fs;
+    // a port that runs a tick late is told a tick earlier
+    let ahead = scene.layout.ports.ahead.len() as u32;
+    s.ports.under_way.fill([-law.speed / fs, 0.0]);
     s.d[bar] = -(0..64).fold([0.0, 0.0], |at, _| law.step(at, -1.0 / fs / 64.0))[0];
     let mut out = Vec::new();
     for n in 0..=(0.05 * fs).round() as u32 {
         out.push(s.x[bar]);
-        s.input[0] = law.speed * f64::from(n) / fs;
+        s.input[0] = law.speed * f64::from(n + ahead) / fs;
         tick(scene, &mut s);
     }
     out

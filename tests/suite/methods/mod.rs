@@ -8,4 +8,5 @@ mod modal;
 mod modal_stable;
 mod pefrl;
 mod scheme;
+mod shared;
 pub mod stable;

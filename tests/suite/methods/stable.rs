@@ -90,7 +90,7 @@ fn c04_near_rigid_walls() {
     }
     for a in list(c, "setup/a") {
         let scene = audited(&walls(a, "stable", ""));
-        assert!(ran(&scene).contains(&"BUT stable3d") && !ran(&scene).contains(&"BUT stable"));
+        assert!(ran(&scene).contains(&"BUT stable, shared") && !ran(&scene).contains(&"BUT stable"));
         let mut s = scene.state();
         s.d[mat(&scene, "ball")] = num(c, "setup/v0");
         let mut worst = 0.0f64;
@@ -101,8 +101,9 @@ fn c04_near_rigid_walls() {
                 worst = worst.max(off(ledger.h, ledger.h0));
             }
         }
-        within(&format!("C04 quadratised, a = {a:e}"), worst, 1e-11);
-        within("C04 quadratised, made", made(&s), 1e-12);
+        let most = 1e-13 * a.max(100.0);
+        within(&format!("C04 shared, a = {a:e}"), worst, most);
+        within("C04 shared, made", made(&s), most);
     }
 }
 
@@ -231,7 +232,13 @@ fn masses_that_share_a_blow_keep_their_energy() {
             }
         }
         assert!(struck > 3, "never two at once");
-        within(&format!("a row of balls, a = {a:e}"), worst, 1e-9);
+        // what is left is the rounding of places times the stiffness
+        within(&format!("a row of balls, a = {a:e}"), worst, 1e-14 * f64::max(a, 1e3));
+        assert!(
+            s.links.touches.unsolved == 0 || a > 1e8 && s.links.touches.unsolved < 50,
+            "{:?}",
+            s.links.touches.unsolved
+        );
         let ledger = s.ledger.as_ref().expect("a ledger").balance();
         within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
         // the walls aside, what the tie does not break: no ball has passed another

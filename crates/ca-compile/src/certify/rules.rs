@@ -205,14 +205,14 @@ pub fn word(net: &Pruned, l: &LiaNode, choice: &str) -> &'static str {
 
 /// True of set-valued friction that is solved together with others, where it creeps.
 pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
-    matches!(l.law.stage, SolveStage::Coupled) && method(net, l) == "set-valued"
+    matches!(l.law.stage, SolveStage::Coupled(_)) && method(net, l) == "set-valued"
 }
 
 /// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
-        let together = matches!(l.law.stage, SolveStage::Coupled);
+        let together = matches!(l.law.stage, SolveStage::Coupled(_));
         let d = if creeps(net, l) {
             decides.take(l, 0.0);
             Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))

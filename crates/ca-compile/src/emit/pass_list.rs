@@ -14,13 +14,14 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let points = layout.places.moving_points.len();
     let modules = layout.counts.n_mat + layout.counts.n_lia;
     let modal = layout.places.modal.len();
-    let list: [(bool, Pass, usize); 10] = [
+    let list: [(bool, Pass, usize); 11] = [
         (!layout.ports.enx.is_empty(), Pass::Enx, layout.ports.enx.len()),
         (
             !layout.ports.tgr.is_empty(),
             Pass::DevicesIn(layout.way(), layout.ports.crossing.latency > 0),
             layout.ports.tgr.len(),
         ),
+        (!layout.ports.ahead.is_empty(), Pass::Ahead, layout.ports.ahead.len()),
         (modal > 0, Pass::ModalPorts, modal),
         // the ledger asks whether anything is on its way
         (!layout.ports.driven.is_empty(), Pass::Driven, layout.ports.driven.iter().map(|d| d.places.len()).sum()),
@@ -71,7 +72,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
             list.push(Op { coef, ..Op::pass(Pass::ImplicitPairs, pairs) });
         }
     }
-    let together = late.iter().any(|o| o.law.is_some_and(|l| matches!(l.stage, SolveStage::Coupled)));
+    let together = late.iter().any(|o| o.law.is_some_and(|l| matches!(l.stage, SolveStage::Coupled(_))));
     let solved = layout.places.solved_modal.len();
     if solved > 0 {
         list.push(Op::pass(Pass::ModesAhead, solved));

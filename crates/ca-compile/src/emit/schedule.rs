@@ -80,6 +80,8 @@ pub fn schedule(
     let Masses { x, v, rest } = masses;
     let n_mat = x.len();
     let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
+    let late = enx.iter().chain(&tgr).filter(|p| p.implicit && options.arithmetic.is_none_or(|a| a >= 6));
+    let ahead: Vec<u32> = late.map(|p| p.mat).collect();
     let pushes = |on_line: bool| net.pushes.iter().filter(move |p| net.pushes_line(p) == on_line);
     let pushed = |p: &Push| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? });
     let in_space: Vec<Enf> = pushes(false).filter_map(pushed).collect();
@@ -175,7 +177,14 @@ pub fn schedule(
             couplings: solved_modal.couplings,
         },
         tables: net.tables.iter().cloned().chain(own_tables(net).into_iter().map(|(_, t)| t)).collect(),
-        ports: PortArrays { enx, enf, tgr, driven: driven::tables(net, &mut live, diags), crossing: net.crossing },
+        ports: PortArrays {
+            enx,
+            enf,
+            tgr,
+            ahead,
+            driven: driven::tables(net, &mut live, diags),
+            crossing: net.crossing,
+        },
         waves,
         weighed,
         implicit: implicit.map(|a| a.0),
@@ -359,6 +368,8 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
         border: alloc::vec![Border::default(); layout.ports.tgr.len()],
         late: alloc::vec![0.0; layout.ports.tgr.len() * layout.ports.crossing.latency as usize],
         blocked: alloc::vec![[0.0; 2]; layout.out.blockers.len()],
+        under_way: alloc::vec![[0.0; 2]; layout.ports.ahead.len()],
+        turns: alloc::vec![0.0; if layout.ports.ahead.is_empty() { 0 } else { layout.counts.n_mat }],
         glide: layout.rates.substeps.iter().flat_map(|f| &f.inputs).map(|i| [input[*i as usize]; 2]).collect(),
         lowpass: alloc::vec![0.0; layout.counts.channels * 2 * (2 * layout.out.lowpass.len()).saturating_sub(1)],
         refused: 0,

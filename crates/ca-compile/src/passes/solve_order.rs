@@ -21,7 +21,7 @@ const STIFFEST: f64 = 1e3;
 
 /// Gives links that may not act alone the law that acts together; refuses those at moving points, whose motion is that
 /// of several masses.
-pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
+pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
@@ -55,7 +55,8 @@ pub fn choose(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     }
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
-    together(net, &shared);
+    let curves = arithmetic.is_none_or(|a| a >= 6);
+    together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
 }
 
 /// The same for links at masses of groups that have become modes: a force on one of them moves all of its group. Contacts beyond
@@ -83,14 +84,21 @@ pub fn choose_modes(net: &mut Pruned) {
         shares || b.contact && families(net, l).next().is_some() && b.k * moves() > STIFFEST
     });
     let all: Vec<bool> = all.collect();
-    together(net, &all);
+    together(net, &all, |_| false);
+    for l in &mut net.lias {
+        if let SolveStage::Coupled(Some(at_modes)) = l.law.stage {
+            if l.ends.into_iter().any(|e| matches!(e, End::Point(_))) {
+                l.law = at_modes;
+            }
+        }
+    }
 }
 
 /// Gives links that are `shared` the law that acts together.
-fn together(net: &mut Pruned, shared: &[bool]) {
+fn together(net: &mut Pruned, shared: &[bool], on_line: impl Fn(&LiaNode) -> bool) {
     for (l, shared) in net.lias.iter_mut().zip(shared) {
-        if let (SolveStage::Single(together), true) = (l.law.stage, shared) {
-            l.law = together;
+        if let (SolveStage::Single(laws), true) = (l.law.stage, shared) {
+            l.law = if on_line(l) { laws.line } else { laws.space };
         }
     }
 }

@@ -28,11 +28,13 @@ pub struct Delays {
 pub fn delays<R: Real>(layout: &Layout<R>) -> Delays {
     let frame = f64::from(layout.rates.ratio) * layout.rates.sample_dt;
     let late = f64::from(layout.ports.crossing.latency);
-    let force = frame * (1.0 + late);
+    let ahead = layout.ports.tgr.iter().any(|p| layout.ports.ahead.contains(&p.mat));
+    let tick = if ahead { layout.rates.sample_dt / f64::from(layout.oversample()) } else { 0.0 };
+    let force = frame * (1.0 + late) + tick;
     let filter =
         layout.out.lowpass.len().saturating_sub(1) as f64 * layout.rates.sample_dt / f64::from(layout.oversample());
     let own = if layout.rates.frame == 1 { 0.5 } else { 1.0 };
-    Delays { frame, force, sound: force + filter, filter, spring: frame * (own + late) }
+    Delays { frame, force, sound: force + filter, filter, spring: frame * (own + late) + tick }
 }
 
 impl Delays {

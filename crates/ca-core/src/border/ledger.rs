@@ -26,8 +26,13 @@ pub(super) fn ledger<R: Real, const SYNC: bool>(op: &Op<R>, layout: &Layout<R>, 
         let hand = s.ports.last_input[p.input as usize];
         let (b, e, f) = (&s.ports.border[k], &mut l.hands[k], s.f[p.mat as usize].wide());
         if j > 0 {
-            let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
-            e.received -= mean * (b.to - b.from);
+            if layout.ports.ahead.contains(&p.mat) {
+                // by the ticks of the port, up to the one before
+                e.received = l.work[layout.ports.enx.len() + k].wide();
+            } else {
+                let mean = if SYNC { 0.5 * (e.last + f) } else { b.force };
+                e.received -= mean * (b.to - b.from);
+            }
             e.given -= e.held * (hand - e.hand);
             e.held = if layout.ports.crossing.feedback { b.force } else { 0.0 };
         }

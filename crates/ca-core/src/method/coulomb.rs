@@ -13,7 +13,7 @@ use crate::law::Bound;
 use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::op::{Cheaper, LoadFns};
-use crate::op::{Energies, Law, LawFns, Op, SolveStage};
+use crate::op::{Energies, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 
 /// What a link remembers: 1 where it sticks, and the heat of the tick \[J\].
@@ -25,7 +25,7 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
         code,
         mem: MEM,
         at_load: LoadFns { bound: |_, _| Bound { curve: true, ..Bound::default() }, ..curve.at_load },
-        stage: SolveStage::Single(together),
+        stage: SolveStage::Single(Together::same(together)),
         cheaper: Cheaper::NONE,
         fns: fns(curve.fns),
         ..curve

@@ -23,7 +23,7 @@ use crate::numeric::{Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Cheaper, LoadFns};
-use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
+use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
@@ -53,7 +53,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
         code,
         mem: 1,
         at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
-        stage: SolveStage::Single(together),
+        stage: SolveStage::Single(Together::same(together)),
         cheaper: Cheaper::NONE,
         fns: alone_fns::<f64, P, C, NEWTON>(curve.fns),
         ..curve
@@ -78,7 +78,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
         code,
         mem: 2,
         at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
-        stage: SolveStage::Coupled,
+        stage: SolveStage::Coupled(None),
         cheaper: Cheaper::NONE,
         fns: together_fns::<f64, P, C>(curve.fns),
         ..curve

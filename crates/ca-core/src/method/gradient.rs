@@ -16,16 +16,16 @@
 //! that does not turn during the tick: on a line. At a mass that goes by its modes c is that of all its modes ([`super::modes`]). Everywhere else [`super::quadratised`] runs instead. With
 //! `sticky = false` a pull is left out; then s = η*, and U(a) − U(s), half of it, is lost.
 
-use super::spring::{Contact, Spring};
+use super::spring::{Contact, Spring, after};
 use super::{free_motion, mobility};
 use crate::numeric::Real;
 use crate::op::layout::Layout;
-use crate::op::{Energies, Law, LawFns, Op, SolveStage};
+use crate::op::{Energies, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 
-/// A one-sided spring by this method; where it may not act alone, `other` runs. Memory: heat of the tick \[J\].
-pub const fn law<S: Spring<f64>>(spring: Law, other: &'static Law) -> Law {
-    Law { mem: 1, stage: SolveStage::Single(other), fns: fns::<f64, S>(spring.fns), ..spring }
+/// A one-sided spring by this method; where it may not act alone, one of `others` runs. Memory: heat of the tick \[J\].
+pub const fn law<S: Spring<f64>>(spring: Law, others: Together) -> Law {
+    Law { mem: 1, stage: SolveStage::Single(others), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
 /// Its functions, made of the functions of the spring.
@@ -36,21 +36,6 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
         kernel: |_| push::<R, S>,
         ..spring
     }
-}
-
-/// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. Where it lets go that is a
-/// quadratic for every spring.
-fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
-    if a >= R::ZERO {
-        let g = h * spring.hard(a);
-        if e < g * a {
-            let (p, q) = (a + e, ((a - e) * (a - e) + R::of(4.0) * g * a * a).sqrt());
-            return if p > R::ZERO { R::of(2.0) * a * (e - g * a) / (p + q) } else { R::of(0.5) * (p - q) };
-        }
-    } else if e <= R::ZERO {
-        return e;
-    }
-    spring.pressed(e, a, h)
 }
 
 /// Applies the contacts of `op`, one by one.

@@ -13,13 +13,13 @@
 //!
 //! Decides for one sparse factorisation for the whole scene ([`crate::numeric::ldl`]), made where coefficients are made: at load,
 //! and by [`Controls`](crate::live::Controls) off the tick when a parameter changes; with it all coefficients of the
-//! change step together in one tick, since half-way between two factors is the factor of neither. Between whom a port
-//! goes is not known yet: it goes on as it went.
+//! change step together in one tick, since half-way between two factors is the factor of neither. Ports at such links run a tick
+//! late, so that their motion is known.
 
 use crate::numeric::Real;
 use crate::numeric::ldl::Pattern;
 use crate::op::Op;
-use crate::op::layout::{ImplicitLinks, Layout};
+use crate::op::layout::{ImplicitLinks, Layout, LinkForce};
 use crate::state::State;
 use alloc::vec::Vec;
 
@@ -40,6 +40,15 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         *own = ((s.coef[p] - R::of(1.0)) * s.d[p] + s.coef[n + p] * s.x[p]) * *inertia;
         *u = s.f[p] + *own;
     }
+    if !s.ports.turns.is_empty() {
+        for l in &a.forces {
+            let turned = turned(l, &s.ports.turns);
+            if turned != R::ZERO {
+                let more = R::of(self::inertia(&l.coef.map(|c| s.coef[c as usize].wide()))) * turned;
+                l.moving.iter().for_each(|(i, w)| u[*i as usize] -= *w * more);
+            }
+        }
+    }
     a.pattern.solve(factor, u);
     for (((u, own), p), inertia) in u.iter().zip(&*own).zip(&a.places).zip(inertia) {
         s.f[*p as usize] = *u * *inertia - *own;
@@ -47,10 +56,18 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     feel(a, s);
 }
 
+/// The part of ports in the change of motion of a link.
+fn turned<R: Real>(l: &LinkForce<R>, turns: &[R]) -> R {
+    l.fixed.iter().map(|(p, w)| *w * turns[*p as usize]).sum()
+}
+
 /// Completes the force of links that are heard, and of what they hold.
 fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     for l in &a.forces {
-        let turned: R = l.moving.iter().map(|(i, w)| *w * s.links.implicit[*i as usize]).sum();
+        let mut turned: R = l.moving.iter().map(|(i, w)| *w * s.links.implicit[*i as usize]).sum();
+        if !s.ports.turns.is_empty() {
+            turned += self::turned(l, &s.ports.turns);
+        }
         let more = R::of(inertia(&l.coef.map(|c| s.coef[c as usize].wide()))) * turned;
         if let Some(t) = l.tap {
             s.links.tap[t as usize] += more;
@@ -68,12 +85,15 @@ fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
 pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(implicit) = &layout.implicit else { return };
     let n = layout.counts.n_mat;
-    let (p, q, c) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n]);
+    let (p, q, c, turns) = (&s.coef[..n], &s.coef[n..2 * n], &s.coef[2 * n..3 * n], &s.ports.turns[..]);
     let numbers = s.coef[op.coef..].chunks_exact(OF_PAIR);
     for (pair, numbers) in implicit.pairs.iter().zip(numbers) {
         let [a, b] = pair.ends.map(|i| i as usize);
         let &[g, left, inertia_a, inertia_b] = numbers else { continue };
-        let own = |i: usize| (p[i] - R::of(1.0)) * s.d[i] + q[i] * s.x[i];
+        let own = |i: usize| {
+            let own = (p[i] - R::of(1.0)) * s.d[i] + q[i] * s.x[i];
+            turns.get(i).map_or(own, |turns| own + *turns)
+        };
         let (own_a, own_b) = (own(a), own(b));
         let (free_a, free_b) = (c[a] * s.f[a] + own_a, c[b] * s.f[b] + own_b);
         let common = g * left * (c[b] * free_a + c[a] * free_b);

@@ -12,6 +12,7 @@
 //! against it, and as a tension of the link it is F = −side·N. A push N kept over a tick takes the work N·s/2 from the
 //! masses, where s = η₊ − η₋ is the change of penetration over two ticks (docs/numerics.md §2.2).
 
+pub(crate) mod cluster;
 pub mod coulomb;
 pub mod friction;
 pub(crate) mod gradient;
@@ -26,11 +27,15 @@ use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
-/// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes on as it went:
-/// where it will be is not known yet.
+/// The change of position \[m/tick\] that all forces so far give to a slot in this tick. A port goes where it was read to go, if it
+/// runs a tick late, or else on as it went.
 pub fn free_motion<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R {
     let n = layout.counts.n_mat;
-    s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot]
+    let goes = s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot];
+    match s.ports.turns.get(slot) {
+        Some(turns) => goes + *turns,
+        None => goes,
+    }
 }
 
 /// Mobility T²/m of a slot \[m/N\].

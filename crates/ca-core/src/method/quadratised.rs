@@ -30,8 +30,8 @@
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
 
-use super::spring::{Contact, Spring};
-use super::{free_motion, mobility, modes};
+use super::spring::{Contact, Curve, Spring};
+use super::{cluster, free_motion, mobility, modes};
 use crate::numeric::{Precision, Real};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
@@ -52,7 +52,7 @@ fn nothing<R: Real>() -> R {
 
 /// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring<f64>>(spring: Law) -> Law {
-    Law { mem: 2, stage: SolveStage::Coupled, fns: fns::<f64, S>(spring.fns), ..spring }
+    Law { mem: 2, stage: SolveStage::Coupled(None), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
 /// Its functions, made of the functions of the spring.
@@ -135,7 +135,7 @@ pub(super) fn reach<R: Real, G: Measure>(
         w += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
-    ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, ..ActiveContact::default() }
+    ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, own: w, ..ActiveContact::default() }
 }
 
 /// Adds a link to those of this tick, if it does anything.
@@ -143,12 +143,20 @@ pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
     let touches = &mut s.links.touches;
     let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
-    *t = ActiveContact { stiff, diag: link.diag + R::of(1.0) / stiff, ..link };
+    *t = ActiveContact { stiff, bias: link.gamma * link.psi, diag: link.diag + R::of(1.0) / stiff, ..link };
+    touches.n += 1;
+}
+
+/// Adds a link whose push is a curve.
+pub(super) fn enter<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
+    let touches = &mut s.links.touches;
+    let Some(t) = touches.list.get_mut(touches.n) else { return };
+    *t = link;
     touches.n += 1;
 }
 
 /// What a push does: the mobility of each place, and where masses go by their modes (`MODES`) how these couple them.
-struct Response<'a, R: Real, const MODES: bool> {
+pub(super) struct Response<'a, R: Real, const MODES: bool> {
     layout: &'a Layout<R>,
     mobility: &'a [R],
     push: &'a mut [R],
@@ -156,7 +164,7 @@ struct Response<'a, R: Real, const MODES: bool> {
 }
 
 /// Sets `q` of each contact to W p.
-fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
+pub(super) fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
     let Response { layout, mobility, push, tap } = to;
     let places = |t: &ActiveContact<R>| {
         let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
@@ -185,9 +193,9 @@ fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut R
 }
 
 /// Solves for `y` of all contacts listed.
-fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
+pub(super) fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
     for t in &mut *list {
-        t.p = t.gamma * t.psi;
+        t.p = t.bias;
     }
     respond(list, to);
     let mut rho = R::ZERO;
@@ -222,6 +230,18 @@ fn conjugate<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut
     }
 }
 
+/// Applies the push of a contact to its ends.
+fn apply<R: Real>(t: &ActiveContact<R>, f: &mut [R], taps: &mut [R]) {
+    for k in 0..t.axes {
+        let [a, b] = t.ends.map(|m| m as usize + k);
+        f[a] += t.g[k] * t.p;
+        f[b] -= t.g[k] * t.p;
+    }
+    if let Some(tap) = t.tap {
+        taps[tap] = -t.side * t.p;
+    }
+}
+
 /// Computes the pushes of all contacts collected and applies them.
 pub fn solve<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     together::<R, false>(op, layout, s);
@@ -234,12 +254,26 @@ pub fn solve_modes<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 #[inline(always)]
 fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ActiveContacts { n, list, push } = &mut s.links.touches;
+    let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
     let mut to =
         Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.counts.n_mat..], push, tap: &mut s.links.tap };
     let all = &mut list[..core::mem::take(n)];
+    if all.iter().all(|t| t.waits) {
+        return;
+    }
     let mut acting = all.len();
-    loop {
+    if all.iter().any(|t| t.curve != Curve::Quadratised) {
+        *unsolved += u64::from(!cluster::newton(all, &mut to));
+        acting = 0;
+        for i in 0..all.len() {
+            if !all[i].left {
+                all.swap(i, acting);
+                acting += 1;
+            }
+        }
+    }
+    let curved = all.iter().any(|t| t.curve != Curve::Quadratised);
+    while !curved {
         conjugate(&mut all[..acting], &mut to);
         let before = acting;
         let mut i = 0;
@@ -256,20 +290,18 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
         }
     }
     for t in &mut all[..acting] {
+        if t.curve != Curve::Quadratised {
+            s.links.mem[t.mem] = cluster::heat(t);
+            apply(t, &mut s.f, &mut s.links.tap);
+            continue;
+        }
         let moved = t.y / t.stiff;
         t.p = t.gamma * t.psi + t.y;
         let left = (t.psi + R::of(0.5) * t.gamma * moved).abs();
         let nothing = t.open && t.psi * t.psi + left * left == t.psi * t.psi;
         s.links.mem[t.mem] = if nothing { R::ZERO } else { left };
         s.links.mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
-        for k in 0..t.axes {
-            let [a, b] = t.ends.map(|m| m as usize + k);
-            s.f[a] += t.g[k] * t.p;
-            s.f[b] -= t.g[k] * t.p;
-        }
-        if let Some(tap) = t.tap {
-            s.links.tap[tap] = -t.side * t.p;
-        }
+        apply(t, &mut s.f, &mut s.links.tap);
     }
     if acting < all.len() {
         for t in &mut all[acting..] {

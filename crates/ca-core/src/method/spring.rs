@@ -9,8 +9,23 @@ use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
 
+/// How the push of a contact that is solved together with others depends on the motion to come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Curve {
+    /// linearly, by its ψ ([`super::quadratised`])
+    #[default]
+    Quadratised,
+    /// the discrete gradient of a linear spring ([`super::cluster`])
+    Linear,
+    /// the discrete gradient of a power law
+    Power,
+}
+
 /// The elastic part of a law and its losses.
 pub trait Spring<R: Real>: Copy {
+    /// Its curve.
+    const CURVE: Curve;
+
     /// True where viscosity has no bound, so that rounding must not be multiplied by it.
     const HARDENS: bool;
 
@@ -28,6 +43,9 @@ pub trait Spring<R: Real>: Copy {
 
     /// The root s ≥ 0 of s + 2h (U(s) − U(a)) / (k (s − a)) = e, where there is one.
     fn pressed(self, e: R, a: R, h: R) -> R;
+
+    /// Force U′ and stiffness U″ at the penetration `eta` > 0.
+    fn force(self, k: R, eta: R) -> [R; 2];
 
     /// The slope of √(2U) where it is pressed together \[√(N/m)\].
     fn gamma(self, k: R, eta: R) -> R;
@@ -79,6 +97,38 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
             (false, false) => R::ZERO,
         }
     }
+
+    /// The mean push of the spring while the penetration changes by `s` from `a` on \[N\], and how it rises with `s` \[N/m\].
+    pub fn between(&self, a: R, s: R) -> [R; 2] {
+        let (to, mean) = (a + s, self.slope(a + s, a));
+        let [force, steep] = if to > R::ZERO { self.spring.force(self.k, to) } else { [R::ZERO; 2] };
+        // near a the difference of forces has no digits left
+        let even = s.abs() <= R::of(1e-6) * to.abs().max(a.abs());
+        [mean, if even { R::of(0.5) * steep } else { ((force - mean) / s).max(R::ZERO) }]
+    }
+
+    /// The change of penetration over two ticks if this contact were alone: from `a`, with `free` the change by all other forces,
+    /// the mobility `c` and the viscosity `z`.
+    pub fn alone(&self, a: R, free: R, c: R, z: R) -> R {
+        let beta = R::of(0.5) * c * z;
+        let h = R::of(0.5) * c * self.k / (R::of(1.0) + beta);
+        after(self.spring, (a + free + beta * a) / (R::of(1.0) + beta), a, h) - a
+    }
+}
+
+/// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. Where it lets go that is a
+/// quadratic for every spring.
+pub fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
+    if a >= R::ZERO {
+        let g = h * spring.hard(a);
+        if e < g * a {
+            let (p, q) = (a + e, ((a - e) * (a - e) + R::of(4.0) * g * a * a).sqrt());
+            return if p > R::ZERO { R::of(2.0) * a * (e - g * a) / (p + q) } else { R::of(0.5) * (p - q) };
+        }
+    } else if e <= R::ZERO {
+        return e;
+    }
+    spring.pressed(e, a, h)
 }
 
 /// U = k η²/2, with a viscosity.
@@ -89,6 +139,7 @@ pub struct Linear<R: Real> {
 }
 
 impl<R: Real> Spring<R> for Linear<R> {
+    const CURVE: Curve = Curve::Linear;
     const HARDENS: bool = false;
     fn contact(&[k, z, d, side, clip]: &[R; 5]) -> Contact<R, Linear<R>> {
         Contact { k, d, side, clip: clip != R::ZERO, spring: Linear { z } }
@@ -109,6 +160,9 @@ impl<R: Real> Spring<R> for Linear<R> {
         let p = a + e;
         let q = (p * p - R::of(4.0) * (R::of(1.0) + h) * e * a).sqrt();
         if p >= R::ZERO { (p + q) / (R::of(2.0) * (R::of(1.0) + h)) } else { -R::of(2.0) * e * a / (q - p) }
+    }
+    fn force(self, k: R, eta: R) -> [R; 2] {
+        [k * eta, k]
     }
     fn gamma(self, k: R, _eta: R) -> R {
         k.sqrt()
@@ -132,6 +186,7 @@ impl<R: Real> Power<R> {
 }
 
 impl<R: Real> Spring<R> for Power<R> {
+    const CURVE: Curve = Curve::Power;
     const HARDENS: bool = true;
     fn contact(&[q, n, loss, d, side]: &[R; 5]) -> Contact<R, Power<R>> {
         let spring = Power { n, loss };
@@ -163,6 +218,10 @@ impl<R: Real> Spring<R> for Power<R> {
                 if even { self.rise() * R::of(0.25) * n * p / s } else { (R::of(2.0) * self.rise() * p - mean) / d };
             (s - e + h * mean, R::of(1.0) + h * rise)
         })
+    }
+    fn force(self, k: R, eta: R) -> [R; 2] {
+        let steep = k * self.rise() * self.hard(eta);
+        [steep * eta, steep * R::of(0.25) * self.n]
     }
     fn gamma(self, k: R, eta: R) -> R {
         self.rise() * (k * self.hard(eta)).sqrt()

@@ -109,10 +109,27 @@ pub enum SolveStage {
     /// from what is known at its beginning
     Explicit,
     /// after all forces of stage `Explicit`, from the motion they would cause: on a line, where no other link of a later stage
-    /// moves the same place. Elsewhere this law runs instead
-    Single(&'static Law),
-    /// after all others, collected link by link and then computed at once by [`Pass::Contacts`](super::Pass::Contacts)
-    Coupled,
+    /// moves the same place. Elsewhere one of these laws runs instead
+    Single(Together),
+    /// after all others, collected link by link and then computed at once by [`Pass::Contacts`](super::Pass::Contacts); of a discrete
+    /// gradient, the law that takes its place at masses that go by their modes
+    Coupled(Option<&'static Law>),
+}
+
+/// The laws that run where a link of [`SolveStage::Single`] may not act alone.
+#[derive(Clone, Copy)]
+pub struct Together {
+    /// on a line and along a direction
+    pub line: &'static Law,
+    /// in space, and everywhere until arithmetic 5
+    pub space: &'static Law,
+}
+
+impl Together {
+    /// One law for both.
+    pub const fn same(law: &'static Law) -> Together {
+        Together { line: law, space: law }
+    }
 }
 
 impl SolveStage {

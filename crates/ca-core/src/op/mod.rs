@@ -22,7 +22,7 @@ pub mod wave;
 pub(crate) mod wide;
 
 pub use account::Energies;
-pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage};
+pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage, Together};
 use layout::Layout;
 pub use layout::{MeasureKind, Ports, Way};
 pub use links::law::{family, loaded, started};
@@ -110,6 +110,8 @@ pub enum Pass {
     Enx,
     /// device ports: how their position comes in, and whether late
     DevicesIn(Way, bool),
+    /// ports that run a tick late
+    Ahead,
     /// positions of masses that go by their modes
     ModalPorts,
     /// parameters that ports drive
@@ -218,6 +220,7 @@ impl Pass {
             Pass::Links => "links",
             Pass::Enx => "ENX",
             Pass::DevicesIn(..) => "TGR in",
+            Pass::Ahead => "ports ahead",
             Pass::ModalPorts => "modal ports",
             Pass::Driven => "driven",
             Pass::Points => "points",

@@ -24,6 +24,23 @@ pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
+/// Ports that run a tick late: the position that was just read is where the port goes, so that links know the motion to come. At
+/// the first tick the port comes from where its motion says.
+pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    let first = s.tick == 0;
+    for (m, way) in layout.ports.ahead[..op.n].iter().zip(&mut s.ports.under_way) {
+        let m = *m as usize;
+        let to = s.x[m];
+        let [before, at] = if first { [to - s.d[m] - s.d[m], to - s.d[m]] } else { *way };
+        if !first {
+            s.d[m] = at - before;
+        }
+        s.x[m] = at;
+        s.ports.turns[m] = to - at - s.d[m];
+        *way = [at, to];
+    }
+}
+
 /// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
 pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let mut last = u32::MAX;

@@ -10,8 +10,9 @@
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
-use crate::method::{gradient, quadratised};
+use crate::method::{cluster, gradient, quadratised};
 use crate::numeric::{Real, Table};
+use crate::op::Together;
 
 /// BUT in the catalog.
 pub static KIND: Kind = Kind {
@@ -58,14 +59,17 @@ pub static LAW: Law =
         ContactMethod::Stable => Some(&STABLE),
         ContactMethod::Stable3d => Some(&STABLE3D),
     });
-static STABLE: Law = gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), &STABLE3D);
+static STABLE: Law =
+    gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), Together { line: &SHARED, space: &STABLE3D });
+static SHARED: Law = cluster::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
 
 /// The functions of its laws over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<But, 5, 0>()),
         (STABLE.code, gradient::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+        (SHARED.code, cluster::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
         (STABLE3D.code, quadratised::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
     ]
 }

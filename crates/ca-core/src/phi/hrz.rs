@@ -9,8 +9,9 @@ use super::pow::P;
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
 use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
-use crate::method::{gradient, quadratised};
+use crate::method::{cluster, gradient, quadratised};
 use crate::numeric::{Real, Table, quarter_power};
+use crate::op::Together;
 
 /// HRZ in the catalog.
 pub static KIND: Kind = Kind {
@@ -61,14 +62,17 @@ pub static LAW: Law =
         ContactMethod::Stable => Some(&STABLE),
         ContactMethod::Stable3d => Some(&STABLE3D),
     });
-static STABLE: Law = gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), &STABLE3D);
+static STABLE: Law =
+    gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), Together { line: &SHARED, space: &STABLE3D });
+static SHARED: Law = cluster::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 
 /// The functions of its laws over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<Hrz, 5, 0>()),
         (STABLE.code, gradient::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+        (SHARED.code, cluster::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
         (STABLE3D.code, quadratised::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
     ]
 }

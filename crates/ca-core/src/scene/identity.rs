@@ -20,8 +20,10 @@ use core::hash::Hasher as _;
 /// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
 /// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
 /// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J; 5: set-valued friction sticks from the first tick on where
-/// nothing moves at load. Takes of before 5 are begun as they were, and so play the same bits.
-pub const ARITHMETIC: u32 = 5;
+/// nothing moves at load; 6: ports at links that count on the motion to come run a tick late, and `stable` contacts that share masses on a line are solved by
+/// discrete gradients. Takes of before 5 and 6 are compiled as
+/// they were, and so play the same bits.
+pub const ARITHMETIC: u32 = 6;
 
 /// The oldest arithmetic that plays a scene to the same bits as [`ARITHMETIC`].
 pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
@@ -29,7 +31,11 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
         let second = op.ports.onto.map(|onto| onto.0);
         op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
     };
-    if scene.passes.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled))) {
+    let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(Some(_))));
+    if !scene.layout.ports.ahead.is_empty() || scene.passes.forces.iter().any(curved) {
+        return 6;
+    }
+    if scene.passes.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)))) {
         return 4;
     }
     if scene.passes.sorted {
@@ -104,7 +110,7 @@ impl Words {
             links: LinkArrays { ends, onto, reach, pair_sets, e0, rows: _ },
             places: Places { rest, nodes, moving_points, modal, shares, solved_modal, modal_couplings, couplings },
             tables,
-            ports: PortArrays { enx, enf, tgr, driven, crossing },
+            ports: PortArrays { enx, enf, tgr, ahead, driven, crossing },
             waves,
             weighed,
             // output_rows follow from outputs
@@ -125,6 +131,9 @@ impl Words {
         self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
+        if !ahead.is_empty() {
+            self.places(ahead.iter());
+        }
         if !solved_modal.is_empty() {
             self.debug(&(solved_modal, modal_couplings));
             self.numbers(couplings.iter());

@@ -143,8 +143,10 @@ impl<R: Real> Scene<R> {
         let mut s = before.state.clone();
         for p in self.layout.ports.enx.iter().filter(|p| p.implicit) {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            s.x[p.mat as usize] = R::inner(R::Outer::of(x) - p.rest);
-            s.d[p.mat as usize] = R::of(d);
+            let (m, d) = (p.mat as usize, R::of(d));
+            let x = R::inner(R::Outer::of(x) - p.rest);
+            s.x[m] = if self.layout.ports.ahead.contains(&p.mat) { x - d } else { x };
+            s.d[m] = d;
         }
         let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;

@@ -38,7 +38,7 @@ fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mu
         places:
             Places { rest, shares, couplings, nodes: _, moving_points: _, modal: _, solved_modal: _, modal_couplings: _ },
         tables,
-        ports: PortArrays { enx, driven, enf: _, tgr: _, crossing: _ },
+        ports: PortArrays { enx, driven, enf: _, tgr: _, ahead: _, crossing: _ },
         waves,
         out: OutputArrays { heard, blockers, lowpass, outputs: _, of_motion: _, output_rows: _ },
         implicit,

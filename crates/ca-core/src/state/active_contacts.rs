@@ -4,6 +4,7 @@
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
+use crate::method::spring::Curve;
 use crate::numeric::Real;
 use alloc::vec::Vec;
 
@@ -38,8 +39,24 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub free: R,
     /// diagonal of the system \[m/N\]
     pub diag: R,
-    /// push beyond γψ \[N\]: the unknown
+    /// push beyond `bias` \[N\]: the unknown
     pub y: R,
+    /// how its push depends on the motion to come
+    pub curve: Curve,
+    /// coefficients of its law, of a curve
+    pub coef: [R; 5],
+    /// penetration before the tick \[m\], of a curve
+    pub from: R,
+    /// the change of penetration over two ticks \[m\]: assumed, then found
+    pub at: R,
+    /// push without motion \[N\]: γψ, or that of the tangent
+    pub bias: R,
+    /// mobility of its ends \[m/N\]
+    pub own: R,
+    /// is left out, since it would pull
+    pub left: bool,
+    /// touches nothing unless another contact pushes it
+    pub waits: bool,
     /// residual \[m\]
     pub r: R,
     /// direction of search \[N\]
@@ -55,6 +72,8 @@ pub struct ActiveContacts<R: Real = f64> {
     pub(crate) n: usize,
     /// the first `n` of them act (as long as there are contacts that may)
     pub(crate) list: Vec<ActiveContact<R>>,
+    /// ticks in which curves were not solved within the bound on iterations
+    pub unsolved: u64,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
     pub(crate) push: Vec<R>,
 }
@@ -65,6 +84,7 @@ impl<R: Real> ActiveContacts<R> {
         let places = if contacts == 0 { 0 } else { places };
         ActiveContacts {
             n: 0,
+            unsolved: 0,
             list: alloc::vec![ActiveContact::default(); contacts],
             push: alloc::vec![R::ZERO; places],
         }

@@ -247,6 +247,7 @@ impl<R: Real> State<R> {
             .chain(self.ports.late.iter().copied())
             .chain(filters)
             .chain(self.ports.glide.iter().flatten().copied())
+            .chain(self.ports.under_way.iter().flatten().map(|v| v.wide()))
             .chain(lengths)
         {
             word(&mut h, v.to_bits());

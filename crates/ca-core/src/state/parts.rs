@@ -41,6 +41,11 @@ pub struct PortState<R: Real = f64> {
     pub glide: Vec<[f64; 2]>,
     /// outputs with a high pass (blockers): what they heard last, and what they gave; written by `writes`
     pub blocked: Vec<[R; 2]>,
+    /// ports that run a tick late ([`PortArrays::ahead`](crate::op::layout::PortArrays::ahead)): where they are and where they go
+    /// \[m\] (ahead); written by `reads`
+    pub under_way: Vec<[R; 2]>,
+    /// what such a port adds to its last motion in this tick \[m\] (n_mat, or none); written by `reads`
+    pub turns: Vec<R>,
     /// past of the sound channels before the low-pass (channels x 2n), a ring each, twice; written by `writes`
     pub lowpass: Vec<R>,
 }

@@ -18,7 +18,7 @@ use core::hash::Hasher as _;
 /// The first bytes of a snapshot.
 const MAGIC: &[u8; 8] = b"ca state";
 /// The order of its numbers.
-pub const SNAPSHOT_VERSION: u64 = 2;
+pub const SNAPSHOT_VERSION: u64 = 3;
 /// Bytes before the numbers: what it is, the version, the identity of the scene.
 const HEAD: usize = 24;
 /// Bytes behind them: FNV-1a of all before.
@@ -125,7 +125,7 @@ impl State {
             coef,
             links: LinkState { mem, lengths, tap, cells, near: _, implicit: _, touches: _ },
             input,
-            ports: PortState { last_input, border, late, blocked, glide, lowpass, refused },
+            ports: PortState { last_input, border, late, blocked, glide, under_way, turns, lowpass, refused },
             output,
             slow,
             ramps,
@@ -151,6 +151,8 @@ impl State {
         }
         w.doubles(blocked.as_flattened_mut());
         w.doubles(glide.as_flattened_mut());
+        w.doubles(under_way.as_flattened_mut());
+        w.doubles(turns);
         w.doubles(lowpass);
         ramps.each(w);
         w.word(tick);

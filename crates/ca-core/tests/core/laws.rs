@@ -199,7 +199,8 @@ fn functions_of_every_law_are_found_by_its_code() {
                 check(law);
             }
             while let SolveStage::Single(other) = law.stage {
-                law = other;
+                check(other.line);
+                law = other.space;
                 check(law);
             }
         }

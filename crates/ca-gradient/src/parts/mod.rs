@@ -211,7 +211,7 @@ impl Parts {
             let to = match law.stage {
                 SolveStage::Explicit => &mut parts.links,
                 SolveStage::Single(_) => &mut parts.last,
-                SolveStage::Coupled => &mut together,
+                SolveStage::Coupled(_) => &mut together,
             };
             // a place in a row that no link takes has one end
             let takes =
@@ -219,7 +219,7 @@ impl Parts {
             let (late, coupled) = match law.stage {
                 SolveStage::Explicit => (false, false),
                 SolveStage::Single(_) => (true, false),
-                SolveStage::Coupled => (true, true),
+                SolveStage::Coupled(_) => (true, true),
             };
             let link = |i: usize| Link { members: vec![(k, i)], slots: slots(scene, op, i), together: coupled };
             to.extend((0..op.n).filter(takes).map(link));

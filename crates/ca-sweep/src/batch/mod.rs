@@ -157,7 +157,7 @@ pub fn batch<S: Sample>(
 
 /// Whether links are solved all at once: then the last bits of one go by all others, also by those of another instance.
 fn solves_at_once(scene: &Scene) -> bool {
-    scene.passes.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled))
+    scene.passes.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled(_)))
 }
 
 /// How many instances there are, where everything that is varied is there and has as many values.

@@ -186,7 +186,7 @@ impl Plan<'_> {
                 k.tap += ports.pair_set.map_or(n, |c| 3 * k.pair_sets[c].members.len());
             }
             k.mem += n * law.mem;
-            k.touch += if matches!(law.stage, SolveStage::Coupled) { n } else { 0 };
+            k.touch += if matches!(law.stage, SolveStage::Coupled(_)) { n } else { 0 };
             k.forces.push(op);
         }
         k

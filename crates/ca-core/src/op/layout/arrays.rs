@@ -104,6 +104,8 @@ pub struct PortArrays<R: Real = f64> {
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
     pub tgr: Vec<Enx<R>>,
+    /// position and device ports that run a tick late, for links that count on the motion to come: MATs (any)
+    pub ahead: Vec<u32>,
     /// parameters that ports drive (any)
     pub driven: Vec<Driven<R>>,
     /// how they cross it

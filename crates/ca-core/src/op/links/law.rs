@@ -76,8 +76,8 @@ pub fn family(law: &'static Law) -> Vec<&'static Law> {
     let mut all = alloc::vec![law];
     let mut next = 0;
     while let Some(law) = all.get(next).copied() {
-        let other = if let SolveStage::Single(other) = law.stage { Some(other) } else { None };
-        for variant in law.cheaper.variants.iter().copied().chain(other) {
+        let others = if let SolveStage::Single(others) = law.stage { Some([others.line, others.space]) } else { None };
+        for variant in law.cheaper.variants.iter().copied().chain(others.into_iter().flatten()) {
             if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
                 all.push(variant);
             }

@@ -34,7 +34,7 @@ pub type Plan = Scene<f64>;
 /// The first bytes of a plan.
 const MAGIC: &[u8; 8] = b"ca plan\n";
 /// Version of the record. It changes whenever a structure that a record holds does.
-pub const PLAN_VERSION: u32 = 1;
+pub const PLAN_VERSION: u32 = 2;
 /// Bytes before the record.
 const HEAD: usize = 32;
 

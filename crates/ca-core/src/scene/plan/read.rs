@@ -220,6 +220,8 @@ fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
             late: record.late.into_owned(),
             blocked: record.blocked.into_owned(),
             glide: record.glide.into_owned(),
+            under_way: record.under_way.into_owned(),
+            turns: record.turns.into_owned(),
             lowpass: record.lowpass.into_owned(),
             refused: 0,
         },

@@ -120,6 +120,8 @@ pub(super) struct StateRecord<'a> {
     pub late: List<'a, f64>,
     pub blocked: List<'a, [f64; 2]>,
     pub glide: List<'a, [f64; 2]>,
+    pub under_way: List<'a, [f64; 2]>,
+    pub turns: List<'a, f64>,
     pub lowpass: List<'a, f64>,
     pub implicit: List<'a, f64>,
     pub live: List<'a, u32>,

@@ -1,7 +1,7 @@
 //! Passes: the range of each over the array it runs over, and how they count time.
 
 use super::links::{self, Work};
-use super::{Verified, Wrong, ensure, within};
+use super::{Verified, Wrong, each, ensure, within};
 use crate::method::pefrl::{DRIFTS, KICKS};
 use crate::op::layout::{Layout, Substeps};
 use crate::op::{Form, Op, Pass};
@@ -77,6 +77,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Enx => all(l.ports.enx.len()),
         Pass::DevicesIn(_, late) => all(l.ports.tgr.len()) && (!late || l.ports.crossing.latency > 0),
         Pass::DevicesOut(_) | Pass::LedgerOfBorder(_) | Pass::Mute => all(l.ports.tgr.len()),
+        Pass::Ahead => all(l.ports.ahead.len()) && each(&l.ports.ahead, l.counts.n_mat),
         Pass::ModalPorts | Pass::Modes => all(l.places.modal.len()),
         Pass::Points | Pass::Aim | Pass::PointsBack => all(l.places.moving_points.len()),
         Pass::Enf { .. } => within(first, n, l.ports.enf.len()),

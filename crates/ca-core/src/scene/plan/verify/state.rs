@@ -26,6 +26,8 @@ pub(in super::super) fn state(s: &StateRecord, l: &Layout) -> Verified {
         (s.blocked.len(), l.out.blockers.len()),
         (s.glide.len(), glide),
         (s.implicit.len(), implicit),
+        (s.under_way.len(), l.ports.ahead.len()),
+        (s.turns.len(), if l.ports.ahead.is_empty() { 0 } else { l.counts.n_mat }),
     ];
     let counted = lengths.iter().all(|(is, by_layout)| is == by_layout);
     let rings = late == Some(s.late.len()) && past == Some(s.lowpass.len());

@@ -1,0 +1,148 @@
+//! Discrete gradients that share masses, and links at moving ports that count on the motion to come.
+
+use super::stable::{made, ran};
+use crate::play::{audited, mat, with};
+use ca_compile::Options;
+use ca_core::internal::scene::same_since;
+use ca_core::{ARITHMETIC, Level, Scene, State, tick};
+use ca_io::perform::Performance;
+
+/// Plays an audited scene for `seconds` under its own gesture.
+fn played(scene: &Scene, seconds: f64) -> State {
+    let mut p = Performance::new(scene, None).expect("it plays");
+    (0..(seconds * scene.rate) as u64).for_each(|_| p.tick());
+    p.state.clone()
+}
+
+/// A stack of three masses of 10 g under gravity, each a millimetre above the one below at load.
+fn stack(k: f64) -> String {
+    format!(
+        "[r]\ngravity = 9.81\n[r.SOL]\nf = {{}}\n[r.MAS]\na = {{ m = 0.01, x = 1e-3 }}\nb = {{ m = 0.01, x = 2e-3 }}\n\
+         c = {{ m = 0.01, x = 3e-3 }}\n[BUT]\ns = {{ between = [[\"r.f\", \"r.a\", \"r.b\"], [\"r.a\", \"r.b\", \"r.c\"]], \
+         k = {k:?}, z = 2, method = \"stable\" }}\n[SOX]\no = {{ from = \"r.c\" }}\n"
+    )
+}
+
+/// The sag of a stack is that of statics, and nothing is made while it settles.
+#[test]
+fn a_stack_stands_where_statics_has_it() {
+    for k in [1e4, 1e6, 1e8] {
+        let scene = audited(&stack(k));
+        assert_eq!(scene.certificate.level, Level::Proven);
+        assert!(ran(&scene).contains(&"BUT stable, shared"), "{:?}", ran(&scene));
+        assert_eq!(same_since(&scene), ARITHMETIC);
+        let s = played(&scene, 10.0);
+        let weight = 0.01 * 9.81;
+        let top = mat(&scene, "r.c");
+        let sag = -s.x[top] - 3e-3;
+        let right = 6.0 * weight / k;
+        assert!((sag - right).abs() <= 1e-6 * right, "k = {k:e}: {sag:e} in place of {right:e}");
+        let made = made(&s);
+        assert!(made <= 1e-11, "k = {k:e}: made {made:e} of the peak");
+        assert_eq!(s.links.touches.unsolved, 0, "k = {k:e}");
+    }
+}
+
+/// A mass between two walls and a row of balls of a power law: nothing is made at any stiffness.
+#[test]
+fn blows_that_are_shared_make_nothing() {
+    for (a, most) in [(0.26, 1e-11), (10.0, 1e-11), (1e3, 1e-10), (1e4, 1e-10), (1e8, 1e-6)] {
+        let k = a * 1e-3 * 48e3 * 48e3;
+        let walls = format!(
+            "[SOL]\nl = {{ x = -0.01 }}\nr = {{ x = 0.0137 }}\n[MAS]\nb = {{ m = 1e-3, v = 0.731 }}\n[BUT]\n\
+             c = {{ between = [\"l\", \"b\"], k = {k:?}, z = Z, method = \"stable\" }}\n\
+             d = {{ between = [\"b\", \"r\"], k = {k:?}, z = Z, method = \"stable\" }}\n[SOX]\no = {{ from = \"b\" }}\n"
+        );
+        let row = format!(
+            "[SOL]\nl = {{}}\nr = {{ x = 5e-3 }}\n[MAS]\na = {{ m = 1e-3, x = 1e-3, v = -0.5 }}\nb = {{ m = 2e-3, x = 2e-3 }}\n\
+             c = {{ m = 1e-3, x = 3e-3, v = -1 }}\nd = {{ m = 5e-4, x = 4e-3, v = -2 }}\n[HRZ]\n\
+             s = {{ between = [[\"l\", \"a\", \"b\", \"c\", \"d\"], [\"a\", \"b\", \"c\", \"d\", \"r\"]], k = {:?}, method = \"stable\" }}\n\
+             [SOX]\no = {{ from = \"a\" }}\n",
+            30.0 * k
+        );
+        for text in [walls.replace('Z', "0"), walls.replace('Z', "110"), row] {
+            let scene = audited(&text);
+            assert_eq!(scene.certificate.level, Level::Proven, "{text}");
+            let s = played(&scene, 4.0);
+            let made = made(&s);
+            assert!(made <= most, "kT²/m = {a:e}: made {made:e} of the peak\n{text}");
+        }
+    }
+}
+
+/// Pushes by a pull that is left out lose energy and make none.
+#[test]
+fn a_shared_contact_that_never_pulls_only_loses() {
+    let text = stack(1e6).replace("z = 2", "z = 200, sticky = false");
+    let scene = audited(&text);
+    let mut s = scene.state();
+    let (mut last, mut pulled) = (f64::INFINITY, 0.0f64);
+    for n in 0..48_000 {
+        tick(&scene, &mut s);
+        let l = s.ledger.as_ref().expect("a ledger");
+        assert!(n == 0 || l.h <= last + 1e-12 * l.extremes.peak, "tick {n}: {} after {last}", l.h);
+        last = l.h;
+        pulled = s.links.tap.iter().fold(pulled, |most, f| most.max(*f));
+    }
+    assert_eq!(pulled, 0.0);
+}
+
+const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";
+
+/// What a moving port gives is what is stored and lost: a contact by both methods, friction by Newton's, an implicit spring; at ports
+/// in every sample, across the border, and with several ticks in a sample.
+#[test]
+fn what_a_moving_port_gives_is_stored_or_lost() {
+    let bell = "[CEL]\nb = { m = 5e-3, f = 200, t60 = 1 }\n[SOX]\no = { from = \"b\" }\n";
+    let contact = |method: &str| {
+        format!("{bell}[BUT]\nc = {{ between = [\"h\", \"b\"], k = 2e5, method = \"{method}\" }}\n{PULSES}")
+    };
+    let bow = "[CEL]\nb = { m = 2e-3, k = 2000 }\n[SOX]\no = { from = \"b\" }\n[BOW]\n\
+               c = { between = [\"h\", \"b\"], f = 0.5, v0 = 0.01, method = \"newton\" }\n[gesture]\nh = { sine = 5e-3, f = 30, to = 2 }\n";
+    let spring =
+        format!("[model]\nmethod = \"implicit\"\n{bell}[RES]\nc = {{ between = [\"h\", \"b\"], k = 2e7 }}\n{PULSES}");
+    for link in [contact("stable"), contact("stable3d"), bow.to_string(), spring] {
+        for port in ["[ENX]\nh = { x = \"-2 mm\" }\n", "[TGR]\nh = { x = \"-2 mm\" }\n"] {
+            for rate in ["", "[rate]\noversample = 2\n", "[rate]\nborder = \"hold\"\n", "[rate]\ngesture = 48000\n"] {
+                let text = format!("{rate}{port}{link}");
+                let scene = audited(&text);
+                assert_eq!(scene.certificate.level, Level::Proven, "{text}");
+                assert_eq!(scene.layout.ports.ahead.len(), 1, "{text}");
+                let s = played(&scene, 2.0);
+                let l = s.ledger.as_ref().expect("a ledger");
+                let work: f64 = l.work.iter().sum();
+                // a belt that is held and jumps is too fast for the bow to grip
+                let least = if rate.contains("hold") { 0.0 } else { 1e-6 };
+                assert!(work > least, "the port gives {work} J\n{text}");
+                let made = made(&s);
+                assert!(made <= 1e-11, "made {made:e} of the peak\n{text}");
+            }
+        }
+    }
+}
+
+/// A port at links that count on the motion to come runs a tick late, and no other port does. Takes of an older arithmetic are compiled
+/// as they were.
+#[test]
+fn only_such_ports_run_a_tick_late() {
+    let text = "[ENX]\nh = {}\nfree = {}\n[CEL]\nb = { m = 5e-3, f = 200 }\nc = { m = 5e-3, f = 200 }\n[BUT]\n\
+                s = { between = [\"h\", \"b\"], k = 2e5, method = \"stable\" }\ne = { between = [\"free\", \"c\"], k = 2e5 }\n\
+                [SOX]\no = { from = \"b\" }\np = { from = \"c\" }\n";
+    let now = with(text, &Options::default());
+    let old = with(text, &Options { arithmetic: Some(5), ..Options::default() });
+    assert_eq!((now.layout.ports.ahead.len(), old.layout.ports.ahead.len()), (1, 0));
+    let (h, free) = (mat(&now, "h"), mat(&now, "free"));
+    let [mut a, mut b] = [now.state(), old.state()];
+    let mut before = 0.0;
+    for n in 0..100 {
+        let at = 1e-4 * f64::from(n);
+        for s in [&mut a, &mut b] {
+            s.input.fill(at);
+        }
+        tick(&now, &mut a);
+        tick(&old, &mut b);
+        assert_eq!([a.x[h], a.x[free]], [before, at], "tick {n}");
+        assert_eq!([b.x[h], b.x[free]], [at, at], "tick {n}");
+        before = at;
+    }
+}
