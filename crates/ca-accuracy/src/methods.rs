@@ -88,7 +88,13 @@ pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
             model.set(&format!("{name}.method"), word);
         }
     }
-    Some(Loaded { model, diags: loaded.diags.clone(), name: loaded.name.clone(), clouds: loaded.clouds.clone() })
+    Some(Loaded {
+        model,
+        diags: loaded.diags.clone(),
+        name: loaded.name.clone(),
+        clouds: loaded.clouds.clone(),
+        format: loaded.format,
+    })
 }
 
 /// All there are.

@@ -113,7 +113,7 @@ fn parse(bytes: &[u8], name: &str) -> Option<Loaded> {
     let (mut model, _) = read::read(text, "", &crate::catalog());
     let items: Option<Vec<_>> = order.iter().map(|k| model.items.get(*k).cloned()).collect();
     model.items = items.filter(|i| i.len() == model.items.len())?;
-    Some(Loaded { name: name.into(), model, diags: Diags::new(), clouds })
+    Some(Loaded { name: name.into(), model, diags: Diags::new(), clouds, format: None })
 }
 
 fn words(bytes: &[u8]) -> Option<impl Iterator<Item = u64>> {

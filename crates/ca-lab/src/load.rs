@@ -79,7 +79,7 @@ fn read_other(model: &Model, text: &str) -> Loaded {
 #[must_use]
 pub fn reread(loaded: &Loaded, text: &str) -> Loaded {
     let Loaded { model, diags, .. } = read_other(&loaded.model, text);
-    Loaded { model, diags, name: loaded.name.clone(), clouds: loaded.clouds.clone() }
+    Loaded { model, diags, name: loaded.name.clone(), clouds: loaded.clouds.clone(), format: None }
 }
 
 fn no_model(word: &str) -> String {

@@ -23,7 +23,7 @@ impl Original {
     pub fn of(loaded: &Loaded) -> Result<Original, Failure> {
         let model = &loaded.model;
         if !model.text.is_empty() {
-            let original = if loaded.format().is_some() {
+            let original = if loaded.format.is_some() {
                 Loaded::import(&model.text, &model.file)
             } else {
                 load::read_again(model)

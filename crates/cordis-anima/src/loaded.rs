@@ -45,6 +45,8 @@ pub struct Loaded {
     pub name: String,
     /// what the files it names hold
     pub clouds: Clouds,
+    /// the format of another program that it was imported from
+    pub format: Option<&'static Format>,
 }
 
 impl Loaded {
@@ -80,12 +82,7 @@ impl Loaded {
         if diags.has_errors() {
             model = Model { file: file.into(), text: text.into(), ..Model::default() };
         }
-        Loaded::found(model, diags, file)
-    }
-
-    /// The format of another program that its text is in, if it is not ours.
-    pub fn format(&self) -> Option<&'static Format> {
-        ca_import::of(&self.model.file)
+        Loaded { format: Some(ca_import::assumed(file)), ..Loaded::found(model, diags, file) }
     }
 
     /// A model that was built by a program.
@@ -94,7 +91,8 @@ impl Loaded {
     }
 
     fn found(model: Model, diags: Diags, file: &str) -> Loaded {
-        let mut loaded = Loaded { name: plain(&stem(Path::new(file))), clouds: Clouds::new(), model, diags };
+        let name = plain(&stem(Path::new(file)));
+        let mut loaded = Loaded { name, clouds: Clouds::new(), format: None, model, diags };
         loaded.look();
         loaded
     }

@@ -352,7 +352,7 @@ fn set_valued_friction_holds_and_stops_exactly() {
     within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
 }
 
-/// What sticks to a port goes with it, since such a port runs a tick late: nothing is made.
+/// A block that sticks to a port goes with it, since such a port runs a tick late: nothing is made.
 #[test]
 fn what_sticks_to_a_port_goes_with_it() {
     let (a, w) = (0.01, 20.0 * TURN);

@@ -23,7 +23,7 @@ fn stack(k: f64) -> String {
     )
 }
 
-/// The sag of a stack is that of statics, and nothing is made while it settles.
+/// A stack sags as statics has it, and nothing is made while it settles.
 #[test]
 fn a_stack_stands_where_statics_has_it() {
     for k in [1e4, 1e6, 1e8] {
@@ -89,7 +89,7 @@ fn a_shared_contact_that_never_pulls_only_loses() {
 
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";
 
-/// What a moving port gives is what is stored and lost: a contact by both methods, friction by Newton's, an implicit spring; at ports
+/// A moving port gives as much energy as is stored and lost: a contact by both methods, friction by Newton's, an implicit spring; at ports
 /// in every sample, across the border, and with several ticks in a sample.
 #[test]
 fn what_a_moving_port_gives_is_stored_or_lost() {

@@ -148,14 +148,22 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
         for t in all.iter_mut().filter(|t| t.curve != Curve::Quadratised) {
             t.at = if halved { R::of(0.5) * (t.at + t.r) } else { t.r };
         }
-        if solved && !again {
+        if solved {
+            // derivatives have arrived too, and the number stays what it is without them
+            let keep = |found: R, now: R| R::of(found.wide()) + (now - R::of(now.wide()));
+            for t in &mut *all {
+                let [push, moved, y] = t.found;
+                (t.p, t.at, t.y) = (keep(push, t.p), keep(moved, t.at), keep(y, t.y));
+            }
             return true;
         }
         solved = !again && (worst <= last || worst <= rounded && worst > R::of(0.5) * before);
         before = worst;
-        // a number and its derivatives: the derivatives are those of one step more
-        if solved && !matches!(R::PRECISION, Precision::Dual) {
-            return true;
+        if solved {
+            if !matches!(R::PRECISION, Precision::Dual) {
+                return true;
+            }
+            all.iter_mut().for_each(|t| t.found = [t.p, t.at, t.y]);
         }
     }
     solved

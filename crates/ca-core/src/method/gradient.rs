@@ -12,9 +12,10 @@
 //! acts while pressed together at the tick itself, with the viscosity of that depth (Hunt and Crossley: h k η^p); it is
 //! folded in by (1 + β)s = η* + βa − c·slope with β = cz/2.
 //!
-//! Only sound where no other such contact moves the same place, since c and η* know nothing of it, and for a gradient
-//! that does not turn during the tick: on a line. At a mass that goes by its modes c is that of all its modes ([`super::modes`]). Everywhere else [`super::quadratised`] runs instead. With
-//! `sticky = false` a pull is left out; then s = η*, and U(a) − U(s), half of it, is lost.
+//! The closed form needs a place that no other such contact moves, since c and η* leave others out, and a gradient that does not turn
+//! during the tick: a line. The c of a mass that goes by its modes counts all its modes ([`super::modes`]). Where masses are shared on a
+//! line [`super::cluster`] runs instead, in space [`super::quadratised`]. With `sticky = false` a pull is left out; then s = η*, and half of
+//! U(a) − U(s) is lost.
 
 use super::spring::{Contact, Spring, after};
 use super::{free_motion, mobility};

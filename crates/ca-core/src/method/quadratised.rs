@@ -1,6 +1,6 @@
 //! Energy quadratisation: the energy of a contact is the square of a number that is carried along, so that the push is
 //! linear in the motion to come and all active contacts are one linear system (Ducceschi, Bilbao, Willemsen and
-//! Serafin, JASA 149(5), 2021; docs/numerics.md §3.4). For contacts in space, and where several share a mass.
+//! Serafin, JASA 149(5), 2021; docs/numerics.md §3.4). For contacts in space, and for all that share masses with these.
 //!
 //! ψ stands for √(2U) between ticks; with s the change of penetration over two ticks and γ known at the tick,
 //! ```text

@@ -9,7 +9,7 @@ use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
 
-/// How the push of a contact that is solved together with others depends on the motion to come.
+/// The push of a contact that is solved together with others, as a function of the motion to come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
     /// linearly, by its ψ ([`super::quadratised`])
@@ -102,7 +102,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
     pub fn between(&self, a: R, s: R) -> [R; 2] {
         let (to, mean) = (a + s, self.slope(a + s, a));
         let [force, steep] = if to > R::ZERO { self.spring.force(self.k, to) } else { [R::ZERO; 2] };
-        // near a the difference of forces has no digits left
+        // near `a` the difference of forces is all rounding
         let even = s.abs() <= R::of(1e-6) * to.abs().max(a.abs());
         [mean, if even { R::of(0.5) * steep } else { ((force - mean) / s).max(R::ZERO) }]
     }
@@ -116,7 +116,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
     }
 }
 
-/// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. Where it lets go that is a
+/// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. While a contact lets go the equation is
 /// quadratic for every spring.
 pub fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
     if a >= R::ZERO {

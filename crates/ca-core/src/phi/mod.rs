@@ -108,7 +108,7 @@ pub const METHOD: Param = Param::new(
     Type::Choice(ContactMethod::WORDS),
     Need::Default(0.0),
     "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
-     space and shared masses, which stable takes where it must",
+     space, which stable takes there",
 );
 
 /// Parameter [`Pairs`].

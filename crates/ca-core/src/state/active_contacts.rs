@@ -49,7 +49,7 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub from: R,
     /// the change of penetration over two ticks \[m\]: assumed, then found
     pub at: R,
-    /// push without motion \[N\]: γψ, or that of the tangent
+    /// push without motion \[N\]: γψ, or of the tangent
     pub bias: R,
     /// mobility of its ends \[m/N\]
     pub own: R,
@@ -57,6 +57,8 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub left: bool,
     /// touches nothing unless another contact pushes it
     pub waits: bool,
+    /// push, change of penetration and `y` as found, whose derivatives take a step more
+    pub found: [R; 3],
     /// residual \[m\]
     pub r: R,
     /// direction of search \[N\]

@@ -106,7 +106,13 @@ impl Source {
     pub fn open(path: &Path) -> Result<Source, FileError> {
         let io = |e: &std::io::Error| FileError::io(path, "it cannot be read", e);
         let file = File::open(path).map_err(|e| io(&e))?;
-        let size = file.metadata().map_err(|e| io(&e))?.len();
+        let about = file.metadata().map_err(|e| io(&e))?;
+        if !about.is_file() {
+            // a device has no end
+            let e = FileError::format("not a regular file").file(path.display());
+            return Err(e.fix("give a file that `ca` wrote while playing"));
+        }
+        let size = about.len();
         let mut tail = Vec::new();
         let seek = |to| (&file).seek(to).map_err(|e| io(&e));
         seek(SeekFrom::Start(size.saturating_sub(mcap::MAGIC.len() as u64)))?;

@@ -7,11 +7,14 @@ use ca_device_tools::calibrate::{self, Reader, StopReading};
 use ca_device_tools::store;
 use ca_haptic::calibration::Calibration;
 use ca_haptic::frame::DOF;
+use ca_haptic::host::lines::check_name;
 use ca_model::quantity::short;
 use std::io::{BufRead as _, IsTerminal as _, Write as _};
 
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> Outcome {
+    // the name is that of a file too
+    check_name(&args.name)?;
     let given: Vec<String> = args.profile.iter().cloned().collect();
     let profile = store::profile_of(&args.name, &given, &mut term::message)?;
     let profile = calibrate::described(&args.name, profile)?;

@@ -26,7 +26,7 @@ use std::path::Path;
 pub fn run(args: &EquivArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
     let mut scene = load::scene(&loaded, &Options::default())?;
-    let format = loaded.format();
+    let format = loaded.format;
     let mut text = if format.is_some() { write::write(&loaded.model) } else { loaded.model.text.clone() };
     if !args.set.is_empty() || args.anchor.is_some() || args.key.is_some() {
         text = changed(&text, &loaded.model, &scene.hand.equivalence, args)?;

@@ -35,7 +35,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     if args.to_file.in_place {
         load::own_file(&args.model)?;
     }
-    if let (true, Some(format)) = (writes, loaded.format()) {
+    if let (true, Some(format)) = (writes, loaded.format) {
         let what = format!("a {} file cannot be written; `ca import` makes a model file of it", format.name);
         return Err(Failure::Usage(what));
     }

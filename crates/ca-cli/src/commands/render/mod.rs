@@ -122,6 +122,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         energy: energy.as_ref(),
         divergence: divergence.as_ref(),
         refused: played.performance.state.ports.refused,
+        unsolved: played.performance.state.links.touches.unsolved,
         warnings: load::warnings(&scene.findings),
         probes: &probes,
     };

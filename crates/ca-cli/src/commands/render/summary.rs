@@ -42,6 +42,8 @@ pub(crate) struct Summary<'a> {
     pub energy: Option<&'a Audit>,
     pub divergence: Option<&'a Divergence>,
     pub refused: u64,
+    /// ticks in which contacts were not solved to rounding
+    pub unsolved: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
 }
@@ -183,6 +185,9 @@ impl Summary<'_> {
             self.energy(&mut out, a)?;
         }
         writeln!(out, "  stability  {}", stability(&self.scene.certificate))?;
+        if self.unsolved > 0 {
+            writeln!(out, "  contacts   not solved to rounding in {} ticks", self.unsolved)?;
+        }
         for p in self.probes {
             writeln!(out, "  probe      {} → {}", p.name, p.file.display())?;
         }
@@ -289,7 +294,7 @@ impl Summary<'_> {
             "stability": stability_json(&self.scene.certificate), "warnings": self.warnings, "probes": probes,
             "clipped": clipped, "beyond_full_scale": w.level.beyond, "gain": self.ended.gain, "faded": self.ended.faded,
             "slow": self.slow.iter().map(|(c, share)| json!({"channel": c, "share": share})).collect::<Vec<_>>(),
-            "without_value": w.level.non_finite, "refused_inputs": self.refused, "blown_up": divergence,
+            "without_value": w.level.non_finite, "refused_inputs": self.refused, "unsolved_ticks": self.unsolved, "blown_up": divergence,
             "degraded": self.degraded(),
         });
         writeln!(out, "{all:#}")?;

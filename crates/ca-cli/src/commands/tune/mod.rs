@@ -21,7 +21,7 @@ use std::path::Path;
 /// Runs the command.
 pub fn run(args: &TuneArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
-    if let Some(format) = loaded.format() {
+    if let Some(format) = loaded.format {
         let what = format!("a {} file cannot be tuned; `ca import` makes a model file of it", format.name);
         return Err(Failure::Usage(what));
     }

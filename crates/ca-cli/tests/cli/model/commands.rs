@@ -175,3 +175,40 @@ fn a_mims_model_is_imported_and_compiled() {
     desk.ca(&["render", "odd.mdl"]).is(1).says(&["odd.mdl:1:"]);
     desk.ca(&["import", "no.mdl"]).is(1);
 }
+
+/// Commands that change a model file say at once that they change none of another program; a copy may be written beside it.
+#[test]
+fn a_mims_model_is_not_changed() {
+    let desk = Desk::new();
+    desk.put("string.mdl", &mims("string.mdl"));
+    desk.ca(&["tune", "string.mdl", "str=A2"]).is(2).says(&["a MIMS file cannot be tuned", "ca import"]);
+    desk.ca(&["render", "string.mdl", "-q"]).is(0);
+    desk.ca(&["fit", "string.mdl", "--to", "string.wav", "--vary", "str.k", "--write", "fitted.ca.toml"])
+        .is(2)
+        .says(&["a MIMS file cannot be written", "ca import"]);
+    desk.ca(&["equiv", "string.mdl", "--set", "mass=20 g:1 g", "--in-place"])
+        .is(2)
+        .says(&["a MIMS file holds no equivalences"]);
+    desk.ca(&["equiv", "string.mdl", "--set", "mass=20 g:1 g", "--write", "heavy.ca.toml"]).is(0);
+    desk.ca(&["check", "heavy.ca.toml"]).is(0);
+}
+
+/// Files that never end are refused as takes, and a calibration stays in its folder.
+#[cfg(unix)]
+#[test]
+fn a_take_is_a_file_and_a_device_has_a_plain_name() {
+    let desk = Desk::new();
+    std::os::unix::fs::symlink("/dev/zero", desk.path("zero.mcap")).unwrap();
+    for args in [
+        &["log", "info", "zero.mcap"][..],
+        &["replay", "zero.mcap"],
+        &["render", "hammered_string", "--gesture", "zero.mcap"],
+    ] {
+        desk.ca(args).is(1).says(&["zero.mcap", "not a regular file"]);
+    }
+    for name in ["../../x", ""] {
+        let r = desk.ca(&["device", "calibrate", name, "--low", "0", "--high", "1"]);
+        assert_ne!(r.code, 0, "{}", r.err);
+        r.says(&["a device cannot be named", "a-z"]);
+    }
+}
