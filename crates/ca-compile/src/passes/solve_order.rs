@@ -55,7 +55,9 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     }
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
-    let curves = arithmetic.is_none_or(|a| a >= 6);
+    // friction at shared masses is solved with the contacts of §3.4, whose system is linear as its own
+    let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact;
+    let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
     together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
 }
 

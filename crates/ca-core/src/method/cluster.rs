@@ -22,12 +22,13 @@ use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
-/// Newton steps of a tick at most; four are usual. From [`DAMPED`] on a step that is not half of the one before is halved.
+/// Newton steps of a tick at most; four are usual. From [`DAMPED`] on every second step is halved unless it is half
+/// of the one before.
 const STEPS: usize = 100;
 const DAMPED: usize = 8;
 
-/// A step that changes motion by this part of it is the last; below the second bound, a step that is not half of the one before is
-/// rounding.
+/// A step that changes motion by this part of it is the last; below the second bound, a step that is hardly smaller than the
+/// one before is rounding.
 fn near<R: Real>() -> [R; 2] {
     (if matches!(R::PRECISION, Precision::Single) { [3e-7, 1e-4] } else { [4e-16, 1e-11] }).map(R::of)
 }
@@ -144,7 +145,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             worst = worst.max((moved - t.at).abs() / scale.max(R::of(f64::MIN_POSITIVE)));
             t.r = moved;
         }
-        let halved = step >= DAMPED && worst > R::of(0.5) * before;
+        let halved = step >= DAMPED && step % 2 == 1 && worst > R::of(0.5) * before;
         for t in all.iter_mut().filter(|t| t.curve != Curve::Quadratised) {
             t.at = if halved { R::of(0.5) * (t.at + t.r) } else { t.r };
         }
@@ -157,7 +158,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             }
             return true;
         }
-        solved = !again && (worst <= last || worst <= rounded && worst > R::of(0.5) * before);
+        solved = !again && (worst <= last || !halved && worst <= rounded && worst > R::of(0.75) * before);
         before = worst;
         if solved {
             if !matches!(R::PRECISION, Precision::Dual) {
