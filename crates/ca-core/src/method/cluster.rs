@@ -20,7 +20,7 @@ use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
-use crate::state::active_contacts::ActiveContact;
+use crate::state::active_contacts::{ActiveContact, Part};
 
 /// Newton steps of a tick at most; four are usual. From [`DAMPED`] on every second step is halved unless it is half
 /// of the one before.
@@ -71,11 +71,12 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
         let from = now + contact.side * measured.w;
         let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
         let z = if now > R::ZERO { contact.spring.viscosity(contact.k, now) } else { R::ZERO };
-        let waits = !(from + link.free > R::ZERO || from > R::ZERO || z > R::ZERO);
+        let touches = from + link.free > R::ZERO || from > R::ZERO || z > R::ZERO;
+        let part = if touches { Part::Acts } else { Part::Waits };
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let at = if waits { link.free } else { contact.alone(from, link.free, link.own, z) };
+        let at = if part == Part::Waits { link.free } else { contact.alone(from, link.free, link.own, z) };
         let mem = op.mem + i;
-        enter(s, ActiveContact { mem, clip: contact.clip, curve: S::CURVE, coef, from, z, at, waits, ..link });
+        enter(s, ActiveContact { mem, clip: contact.clip, curve: S::CURVE, coef, from, z, at, part, ..link });
     }
 }
 
@@ -112,7 +113,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             let t = &mut all[i];
             if t.curve == Curve::Quadratised {
                 (t.bias, t.stiff) = (t.gamma * t.psi, R::of(0.25) * t.gamma * t.gamma + R::of(0.5) * t.z);
-                t.stiff = if t.left { R::ZERO } else { t.stiff };
+                t.stiff = if t.part == Part::LeftOut { R::ZERO } else { t.stiff };
             } else {
                 let [push, slope] = push(t);
                 (t.bias, t.stiff) = (push - slope * t.at, slope);
@@ -136,7 +137,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             if t.curve == Curve::Quadratised {
                 // one that would pull is left out for this tick
                 if t.clip && t.p < R::ZERO {
-                    (t.left, again) = (true, true);
+                    (t.part, again) = (Part::LeftOut, true);
                 }
                 t.at = moved;
                 continue;
@@ -164,7 +165,9 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             if !matches!(R::PRECISION, Precision::Dual) {
                 return true;
             }
-            all.iter_mut().for_each(|t| t.found = [t.p, t.at, t.y]);
+            for t in &mut *all {
+                t.found = [t.p, t.at, t.y];
+            }
         }
     }
     solved

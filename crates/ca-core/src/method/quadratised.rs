@@ -37,7 +37,7 @@ use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
-use crate::state::active_contacts::{ActiveContact, ActiveContacts};
+use crate::state::active_contacts::{ActiveContact, ActiveContacts, Part};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.
@@ -252,29 +252,23 @@ pub fn solve_modes<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     together::<R, true>(op, layout, s);
 }
 
-#[inline(always)]
-fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
-    let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
-    let mut to =
-        Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.counts.n_mat..], push, tap: &mut s.links.tap };
-    let all = &mut list[..core::mem::take(n)];
-    if all.iter().all(|t| t.waits) {
-        return;
-    }
-    let mut acting = all.len();
-    if all.iter().any(|t| t.curve != Curve::Quadratised) {
-        *unsolved += u64::from(!cluster::newton(all, &mut to));
-        acting = 0;
-        for i in 0..all.len() {
-            if !all[i].left {
-                all.swap(i, acting);
-                acting += 1;
-            }
+/// Brings the contacts that `are` so to the front, and counts them.
+fn gathered<R: Real>(all: &mut [ActiveContact<R>], are: impl Fn(&ActiveContact<R>) -> bool) -> usize {
+    let mut n = 0;
+    for i in 0..all.len() {
+        if are(&all[i]) {
+            all.swap(i, n);
+            n += 1;
         }
     }
-    let curved = all.iter().any(|t| t.curve != Curve::Quadratised);
-    while !curved {
-        conjugate(&mut all[..acting], &mut to);
+    n
+}
+
+/// Solves for contacts that go by ψ; those that would pull are left behind the rest, whose number it returns.
+fn linear<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> usize {
+    let mut acting = all.len();
+    loop {
+        conjugate(&mut all[..acting], to);
         let before = acting;
         let mut i = 0;
         while i < acting {
@@ -286,9 +280,26 @@ fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut
             }
         }
         if acting == before {
-            break;
+            return acting;
         }
     }
+}
+
+#[inline(always)]
+fn together<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
+    let mut to =
+        Response::<R, MODES> { layout, mobility: &s.coef[2 * layout.counts.n_mat..], push, tap: &mut s.links.tap };
+    let all = &mut list[..core::mem::take(n)];
+    if all.iter().all(|t| t.part == Part::Waits) {
+        return;
+    }
+    let acting = if all.iter().any(|t| t.curve != Curve::Quadratised) {
+        *unsolved += u64::from(!cluster::newton(all, &mut to));
+        gathered(all, |t| t.part != Part::LeftOut)
+    } else {
+        linear(all, &mut to)
+    };
     for t in &mut all[..acting] {
         if t.curve != Curve::Quadratised {
             s.links.mem[t.mem] = cluster::heat(t);

@@ -8,6 +8,18 @@ use crate::method::spring::Curve;
 use crate::numeric::Real;
 use alloc::vec::Vec;
 
+/// The part of a contact in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// it touches
+    #[default]
+    Acts,
+    /// it touches nothing unless another contact pushes it
+    Waits,
+    /// it is left out, since it would pull
+    LeftOut,
+}
+
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ActiveContact<R: Real = f64> {
@@ -53,10 +65,8 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub bias: R,
     /// mobility of its ends \[m/N\]
     pub own: R,
-    /// is left out, since it would pull
-    pub left: bool,
-    /// touches nothing unless another contact pushes it
-    pub waits: bool,
+    /// the part it takes in this tick
+    pub part: Part,
     /// push, change of penetration and `y` as found, whose derivatives take a step more
     pub found: [R; 3],
     /// residual \[m\]
