@@ -1,60 +1,7 @@
-//! What can be typed. Every command says in one line what it is for, then in a paragraph how it thinks, then shows
-//! examples that run (tests extract and run them, but for those of `bench`, which take minutes).
-
-use crate::commands::Command;
-use clap::builder::UnknownArgumentValueParser;
-use clap::{CommandFactory as _, Parser};
-use std::any::TypeId;
+//! What several commands take: options and forms of their values, and how a shell completes them. The other arguments stand with
+//! their commands.
 
 pub mod common;
 pub mod completions;
 
 pub use common::{Playing, Source};
-
-/// Virtual instruments made of masses and interactions (CORDIS-ANIMA).
-#[derive(Parser)]
-#[command(name = "ca", version, about = "Virtual instruments made of masses and interactions (CORDIS-ANIMA)")]
-#[command(max_term_width = 100)]
-#[command(
-    after_help = format!(
-        "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped), 130 interrupted.\n\
-         A model is a file `*.ca.toml`, {}the name of a bundled model (`ca list`), or `-`: standard input.\n\
-         `ca completions --help` says how a shell completes all of it.",
-        common::imported(|f| format!("a {} file `*.{}`, ", f.name, f.extension))
-    )
-)]
-pub struct Cli {
-    /// what to do
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-/// The command line as it is read: a negative number after an option is its value, to be judged as any other.
-pub fn command() -> clap::Command {
-    numbers(Cli::command().mut_subcommand("render", |c| c.args(other_names())))
-}
-
-/// Names that options of `ca render` have in other programs. clap answers them with the name here.
-fn other_names() -> [clap::Arg; 3] {
-    [("--format", "bits", "bit-depth"), ("--seconds", "duration", "length"), ("--rate", "sample-rate", "samplerate")]
-        .map(|(ours, one, other)| {
-            let meant = UnknownArgumentValueParser::suggest_arg(ours);
-            clap::Arg::new(one).long(one).alias(other).hide(true).value_parser(meant)
-        })
-}
-
-/// Whether as little as possible is said: by `--quiet`, or by `--json`, which programs read.
-pub fn is_terse(matches: &clap::ArgMatches) -> bool {
-    let given = |flag: &str| matches.try_get_one::<bool>(flag).is_ok_and(|v| v.is_some_and(|v| *v));
-    given("quiet") || given("json") || matches.subcommand().is_some_and(|(_, m)| is_terse(m))
-}
-
-fn numbers(command: clap::Command) -> clap::Command {
-    let takes_number = |arg: &clap::Arg| {
-        let is = arg.get_value_parser().type_id();
-        let of = [TypeId::of::<f64>(), TypeId::of::<u8>(), TypeId::of::<u16>(), TypeId::of::<u32>()];
-        !arg.is_positional() && of.into_iter().chain([TypeId::of::<u64>(), TypeId::of::<usize>()]).any(|t| is == t)
-    };
-    let one = |arg: clap::Arg| if takes_number(&arg) { arg.allow_negative_numbers(true) } else { arg };
-    command.mut_args(one).mut_subcommands(numbers)
-}

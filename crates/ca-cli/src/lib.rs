@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod cli;
 mod commands;
 mod load;
 mod outcome;
@@ -13,8 +14,8 @@ mod outputs;
 mod page;
 mod term;
 
-use args::Cli;
 use clap::FromArgMatches as _;
+use cli::Cli;
 use commands::Command;
 use outcome::{Ended, Failure};
 use std::ffi::OsString;
@@ -25,7 +26,7 @@ use std::io::Write as _;
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args: Vec<OsString> = args.into_iter().collect();
     let here = std::env::current_dir().ok();
-    let completion = clap_complete::CompleteEnv::with_factory(args::command);
+    let completion = clap_complete::CompleteEnv::with_factory(cli::command);
     match completion.try_complete(args.iter().cloned(), here.as_deref()) {
         Ok(true) => return 0,
         Ok(false) => {}
@@ -34,8 +35,8 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
             return 2;
         }
     }
-    let read = args::command().try_get_matches_from(args).and_then(|m| {
-        term::explaining(!args::is_terse(&m));
+    let read = cli::command().try_get_matches_from(args).and_then(|m| {
+        term::explaining(!cli::is_terse(&m));
         Cli::from_arg_matches(&m)
     });
     let cli = match read {
@@ -80,7 +81,7 @@ pub fn play_request(
 ) -> Result<ca_live::Request, ca_lab::Failure> {
     let words = ["ca".into(), "play".into(), OsString::from(name)].into_iter().chain(args);
     let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
-    let cli = args::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
+    let cli = cli::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
     match cli.command {
         Command::Play(mut args) => {
             args.serve.source.set.splice(..0, changes);

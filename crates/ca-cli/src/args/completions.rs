@@ -3,10 +3,11 @@
 //! The shell asks this program at each Tab, so the names of models stand in one list and never get old. The alternative is a
 //! script with fixed lists.
 
-use crate::commands::list;
-use crate::load::BUNDLED;
+use ca_core::Catalog;
 use ca_lab::catalog;
+use ca_lab::load::BUNDLED;
 use ca_model::diag::CODES;
+use ca_model::part::library::LIBRARY;
 use clap_complete::CompletionCandidate;
 use clap_complete::engine::{PathCompleter, ValueCompleter as _};
 use std::ffi::OsStr;
@@ -35,10 +36,16 @@ pub(crate) fn models(current: &OsStr) -> Vec<CompletionCandidate> {
 
 /// Words that `ca list` takes.
 pub(crate) fn listed(current: &OsStr) -> Vec<CompletionCandidate> {
-    named(current, list::names(&catalog()))
+    named(current, pages(&catalog()))
 }
 
 /// Codes of findings.
 pub(crate) fn codes(current: &OsStr) -> Vec<CompletionCandidate> {
     named(current, CODES.iter().map(|c| c.0))
+}
+
+/// All words that have a page of `ca list`.
+pub(crate) fn pages(catalog: &Catalog) -> Vec<&'static str> {
+    let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));
+    words.chain(BUNDLED.iter().map(|m| m.0)).chain(LIBRARY.iter().map(|p| p.0)).collect()
 }

@@ -9,7 +9,7 @@ use ca_core::{Catalog, Kind, Role};
 use ca_lab::catalog;
 use ca_model::page::kind;
 use ca_model::page::part as parts;
-use ca_model::part::library::{LIBRARY, shipped};
+use ca_model::part::library::shipped;
 use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Value};
 use ca_model::{read, schema};
@@ -125,17 +125,11 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
         let value = if values.len() == 1 { values.remove(0) } else { Json::Array(values) };
         return Ok(if json { pretty(&value) } else { texts.join("\n\n") });
     }
-    let hint = match nearest(word, names(catalog).into_iter()) {
+    let hint = match nearest(word, completions::pages(catalog).into_iter()) {
         Some(m) => format!("did you mean `{m}`?"),
         None => "`ca list` shows them all".into(),
     };
     Err(Failure::Usage(format!("`{word}` is no kind, no bundled model and no part; {hint}")))
-}
-
-/// All words that have a page.
-pub(crate) fn names(catalog: &Catalog) -> Vec<&'static str> {
-    let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));
-    words.chain(BUNDLED.iter().map(|m| m.0)).chain(LIBRARY.iter().map(|p| p.0)).collect()
 }
 
 /// Kinds in families: code, title, equation.

@@ -14,13 +14,13 @@
 //! `sticky = false` a pull is left out: h is 0 there, and what U loses is heat.
 
 use super::quadratised::{Response, conjugate, enter, reach, respond};
-use super::spring::{Contact, Curve, Linear, Power, Spring};
+use super::spring::{Contact, Linear, Power, Spring};
 use crate::numeric::{Precision, Real};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
-use crate::state::active_contacts::{ActiveContact, Part};
+use crate::state::active_contacts::{ActiveContact, Curve, Part};
 
 /// Newton steps of a tick at most; four are usual. From [`DAMPED`] on every second step is halved unless it is half
 /// of the one before.

@@ -30,14 +30,14 @@
 //! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
 //! follows the motion as far as that loses energy.
 
-use super::spring::{Contact, Curve, Spring};
+use super::spring::{Contact, Spring};
 use super::{cluster, free_motion, mobility, modes};
 use crate::numeric::{Precision, Real};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
-use crate::state::active_contacts::{ActiveContact, ActiveContacts, Part};
+use crate::state::active_contacts::{ActiveContact, ActiveContacts, Curve, Part};
 use nalgebra::Vector3;
 
 /// The residual is brought below this part of what it was, squared.

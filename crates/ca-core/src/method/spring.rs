@@ -8,18 +8,7 @@ use super::newton::root;
 use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
-
-/// The push of a contact that is solved together with others, as a function of the motion to come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Curve {
-    /// linearly, by its ψ ([`super::quadratised`])
-    #[default]
-    Quadratised,
-    /// the discrete gradient of a linear spring ([`super::cluster`])
-    Linear,
-    /// the discrete gradient of a power law
-    Power,
-}
+use crate::state::active_contacts::Curve;
 
 /// The elastic part of a law and its losses.
 pub trait Spring<R: Real>: Copy {

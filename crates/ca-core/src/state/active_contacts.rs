@@ -4,9 +4,20 @@
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
-use crate::method::spring::Curve;
 use crate::numeric::Real;
 use alloc::vec::Vec;
+
+/// The push of a contact that is solved together with others, as a function of the motion to come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Curve {
+    /// linearly, by its ψ (`method/quadratised.rs`)
+    #[default]
+    Quadratised,
+    /// the discrete gradient of a linear spring (`method/cluster.rs`)
+    Linear,
+    /// the discrete gradient of a power law
+    Power,
+}
 
 /// The part of a contact in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
