@@ -159,9 +159,10 @@ def test_a_port_under_way_at_load_goes_forward() -> None:
     scene, hand = ca.parse(text), {"e": np.linspace(0, 1e-3, 100)}
     g = scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand)
     assert g.mode == "forward" and g["a.m"] != 0
-    with pytest.raises(ca.UsageError, match="where the port `e` is at load is part of the start"):
+    # such a port runs a tick late, which reverse mode does not know
+    with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass `ports ahead`"):
         scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand, mode="reverse")
-    assert scene.gradient(["a.m"], cotangent=np.ones(100)).mode == "reverse"
+    assert scene.gradient(["a.m"], cotangent=np.ones(100)).mode == "forward"
 
 
 def test_cotangents_and_losses_are_finite_numbers() -> None:

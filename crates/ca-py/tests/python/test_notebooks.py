@@ -85,8 +85,9 @@ def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
     outputs = [output for cell in code for output in cell.outputs]
     assert all(cell.execution_count for cell in code)
-    # no warnings, and something to look at
-    assert not [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
+    # no warnings, and something to look at; how long a worker takes to end depends on what else the machine does
+    said = [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
+    assert not [line for text in said for line in text.splitlines() if "Worker process still alive after" not in line]
     assert any("image/png" in output.get("data", {}) for output in outputs)
     # nothing stays where somebody has opened it
     assert list(kernel.iterdir()) == []
