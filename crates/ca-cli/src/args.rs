@@ -1,4 +1,4 @@
-//! What several commands take: options and forms of their values, and how a shell completes them. The other arguments stand with
+//! Arguments of several commands: options, forms of their values, and their completion by a shell. The other arguments stand with
 //! their commands.
 
 pub mod common;

@@ -38,7 +38,7 @@ fn other_names() -> [clap::Arg; 3] {
         })
 }
 
-/// Whether as little as possible is said: by `--quiet`, or by `--json`, which programs read.
+/// True with `--quiet` or `--json`: then the command prints as little as possible beside its result.
 pub fn is_terse(matches: &clap::ArgMatches) -> bool {
     let given = |flag: &str| matches.try_get_one::<bool>(flag).is_ok_and(|v| v.is_some_and(|v| *v));
     given("quiet") || given("json") || matches.subcommand().is_some_and(|(_, m)| is_terse(m))

@@ -13,8 +13,8 @@
 //! folded in by (1 + β)s = η* + βa − c·slope with β = cz/2.
 //!
 //! The closed form needs a place that no other such contact moves, since c and η* leave others out, and a gradient that does not turn
-//! during the tick: a line. The c of a mass that goes by its modes counts all its modes ([`super::modes`]). Where masses are shared on a
-//! line [`super::cluster`] runs instead, in space [`super::quadratised`]. With `sticky = false` a pull is left out; then s = η*, and half of
+//! during the tick: a line. At a mass that goes by its modes c counts all of them ([`super::modes`]). On a line with shared masses
+//! [`super::cluster`] runs instead, in space [`super::quadratised`]. With `sticky = false` a pull is left out; then s = η*, and half of
 //! U(a) − U(s) is lost.
 
 use super::spring::{Contact, Spring, after};

@@ -108,7 +108,7 @@ impl Source {
         let file = File::open(path).map_err(|e| io(&e))?;
         let about = file.metadata().map_err(|e| io(&e))?;
         if !about.is_file() {
-            // a device has no end
+            // `/dev/zero` never ends
             let e = FileError::format("not a regular file").file(path.display());
             return Err(e.fix("give a file that `ca` wrote while playing"));
         }

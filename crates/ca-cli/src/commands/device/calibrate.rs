@@ -13,7 +13,7 @@ use std::io::{BufRead as _, IsTerminal as _, Write as _};
 
 /// Runs the command.
 pub fn run(args: &CalibrateArgs) -> Outcome {
-    // the name is that of a file too
+    // the name becomes a file name
     check_name(&args.name)?;
     let given: Vec<String> = args.profile.iter().cloned().collect();
     let profile = store::profile_of(&args.name, &given, &mut term::message)?;
