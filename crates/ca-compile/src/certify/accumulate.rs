@@ -4,7 +4,6 @@
 //! ([`crate::net::Resolved::limit_ratio`]): `scaled_mobility` is T²/m times that, and everything compared with
 //! 4 goes by it, while rules about one contact go by T²/m itself.
 
-use super::bound::fixed_share;
 use crate::certify::negative::Negative;
 use crate::certify::reach::{Reached, reached};
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
@@ -118,4 +117,10 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
             s.radial |= l.is_radial();
         }
     }
+}
+
+/// The part of [`Bound::h`] that a link has wherever its ends are \[N/m\].
+fn fixed_share(b: &Bound) -> f64 {
+    // of a curve of friction the slope is one that it has somewhere
+    (if b.curve { b.k } else { b.h() }) - b.loose
 }

@@ -52,12 +52,6 @@ fn pairs(net: &Pruned, sums: &Accumulated) -> f64 {
     tied.map(|l| l.all_ends().map(end).sum()).fold(alone, f64::max)
 }
 
-/// The part of [`Bound::h`] that a link has wherever its ends are \[N/m\].
-pub(super) fn fixed_share(b: &Bound) -> f64 {
-    // of a curve of friction the slope is one that it has somewhere
-    (if b.curve { b.k } else { b.h() }) - b.loose
-}
-
 /// The explicit link that counts as much as this one.
 pub(super) fn explicit(b: &Bound) -> Bound {
     let z = if b.centred { 0.0 } else { b.z };
