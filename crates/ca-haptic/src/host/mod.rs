@@ -15,8 +15,8 @@
 //! `ca set`, `ca disarm` and the like speak to a server over a socket in the folder of the place ([`control`]).
 //!
 //! The trust boundary is the user: every process of the same user can write into this memory, no other can open it. Other
-//! users cannot know its names before they are used (`prefix`), their files under such names are ignored (`ours`), and
-//! opening has a limit of time (`within`).
+//! users cannot know its names before they are used (`shm/prefix.rs`), their files under such names are ignored (`ours.rs`), and
+//! opening has a limit of time (`within.rs`).
 
 mod claim;
 pub mod client;
@@ -25,11 +25,12 @@ mod error;
 pub mod gateway;
 pub mod lines;
 mod ours;
-mod prefix;
 mod room;
 mod session;
+mod shm;
 pub mod site;
 pub mod stale_shm;
+pub mod user;
 pub mod watch;
 mod within;
 

@@ -8,7 +8,10 @@
 //! would be too late: another user may have opened the file before.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::{SHM, Site, uid};
+use super::room;
+use super::shm::files::{foreign, is_foreign, with_prefix};
+use super::shm::names::SHM;
+use super::site::Site;
 use std::collections::BTreeSet;
 use std::fs::{self, Metadata, OpenOptions, Permissions};
 use std::io::{self, ErrorKind, Write};
@@ -26,25 +29,9 @@ const UNMADE: Duration = Duration::from_secs(1);
 const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
 const RELEASE: u64 = 10 << 16;
 
-/// Everything with this prefix: path and metadata. Files that vanish meanwhile are left out.
-fn named(prefix: &str) -> impl Iterator<Item = (PathBuf, Metadata)> {
-    let entries = fs::read_dir(SHM).into_iter().flatten().flatten();
-    let named = entries.filter(move |e| e.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()));
-    named.filter_map(|e| Some((e.path(), fs::symlink_metadata(e.path()).ok()?)))
-}
-
-fn is_foreign(about: &Metadata) -> bool {
-    about.uid() != uid() || !about.is_file()
-}
-
 /// Files of this user with our prefix.
 fn files(site: &Site) -> impl Iterator<Item = (PathBuf, Metadata)> {
-    named(site.prefix()).filter(|(_, about)| !is_foreign(about))
-}
-
-/// Files of other users with this prefix, and what is not a file.
-pub(super) fn foreign(prefix: &str) -> Vec<(PathBuf, Metadata)> {
-    named(prefix).filter(|(_, about)| is_foreign(about)).collect()
+    with_prefix(site.prefix()).filter(|(_, about)| !is_foreign(about))
 }
 
 /// A failure of the system, which a file of another user may have caused: names that file.
@@ -179,7 +166,7 @@ pub(super) fn reserve(site: &Site) -> Result<(), HostError> {
             continue;
         }
         let Ok(file) = OpenOptions::new().write(true).open(&path) else { continue };
-        super::room::take(&file, about.len()).map_err(|e| failed(&path, "has no room", &e))?;
+        room::take(&file, about.len()).map_err(|e| failed(&path, "has no room", &e))?;
     }
     Ok(())
 }

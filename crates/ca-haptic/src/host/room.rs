@@ -4,7 +4,7 @@
 //! and sizes as before, and ends whoever writes there with a SIGBUS.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::SHM;
+use super::shm::names::SHM;
 use std::fs::File;
 use std::io;
 

@@ -2,12 +2,12 @@
 //!
 //! Each user has one folder, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to other users. All names in the folder and in
 //! `/dev/shm` begin with one prefix. It has the version of our frames, the release of iceoryx2 (its layout changes with
-//! each) and the random digits of the folder (`prefix.rs`), so two versions or two folders never touch each
+//! each) and the random digits of the folder (`shm/prefix.rs`), so two versions or two folders never touch each
 //! other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are part of the protocol.
 
 use super::error::{HostError, HostErrorKind};
-use super::{ours, prefix, stale_shm};
-use crate::frame::VERSION;
+use super::shm::{files, names, prefix};
+use super::user::uid;
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::{
     CallbackProgression, Config, FileName, Node, NodeBuilder, NodeName, NodeState, Path as IoxPath, ipc_threadsafe,
@@ -22,14 +22,10 @@ use std::sync::{Arc, Once};
 /// ([`within`](super::within)).
 pub(super) type Ipc = ipc_threadsafe::Service;
 
-/// Release of iceoryx2 this build speaks.
-pub const IOX: &str = "0.10.0";
 /// Longest name of the folder \[bytes\]: with the prefix, a number of at most 36 digits and a suffix it must fit the
 /// address of a socket, 107 bytes.
 pub const LONGEST: usize = 44;
 
-/// Where shared memory has its names.
-pub(super) const SHM: &str = "/dev/shm";
 /// Links that are followed on the way to a folder, as in the kernel.
 const LINKS: u32 = 40;
 
@@ -112,12 +108,12 @@ impl Site {
         LOGS.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
         let claimed = prefix::claim(
             &root,
-            |digits| !ours::foreign(&named(digits)).is_empty(),
-            |digits| stale_shm::remove_hash(&root, digits),
+            |digits| !files::foreign(&names::prefix(digits)).is_empty(),
+            |digits| files::remove_hash(&root, digits),
         );
         let (digits, claim) =
             claimed.map_err(|e| bad(&format!("does not give a prefix for shared memory: {e}"), fix))?;
-        Ok(Site { root, prefix: named(&digits), _claim: Arc::new(claim) })
+        Ok(Site { root, prefix: names::prefix(&digits), _claim: Arc::new(claim) })
     }
 
     /// The folder.
@@ -227,16 +223,6 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
     None
 }
 
-/// The prefix with these digits.
-fn named(digits: &str) -> String {
-    format!("{}{digits}_", stamp())
-}
-
-/// The part of the prefix before the digits of the folder: the version.
-pub(super) fn stamp() -> String {
-    format!("ca{VERSION}-{IOX}-")
-}
-
 /// The first folder that other users leave to this one: `usual`, unless one of them has made it, or `runtime`. A process that
 /// starts after the other user has removed it follows those that run already.
 fn free(usual: PathBuf, runtime: Option<PathBuf>) -> PathBuf {
@@ -246,11 +232,6 @@ fn free(usual: PathBuf, runtime: Option<PathBuf>) -> PathBuf {
         (Err(_), Some(runtime)) if runtime.is_dir() => runtime,
         _ => usual,
     }
-}
-
-/// The user of this process. `/proc/self` belongs to it.
-pub fn uid() -> u32 {
-    fs::metadata("/proc/self").map_or(0, |m| m.uid())
 }
 
 #[cfg(test)]

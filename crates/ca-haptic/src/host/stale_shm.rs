@@ -6,12 +6,14 @@
 //! ignored.
 
 use super::error::{HostError, HostErrorKind};
-use super::site::{SHM, Site, stamp, uid};
+use super::shm::files::{each_ours, name};
+use super::shm::names::{IOX, parse, stamp};
+use super::site::Site;
+use super::user::uid;
 use crate::frame::{VERSION, fnv};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// All files of one version.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -48,64 +50,12 @@ pub struct Cleaned {
     pub kept: Vec<Group>,
 }
 
-/// True for the digits of a folder.
-pub(super) fn is_hash(text: &str) -> bool {
-    text.len() == 8 && text.bytes().all(|b| b.is_ascii_hexdigit())
-}
-
-/// Version of frames, release of iceoryx2 and digits of the folder, from the name of a file.
-fn parse(name: &str) -> Option<(&str, &str, &str)> {
-    let (prefix, _) = name.strip_prefix("ca")?.split_once('_')?;
-    let (rest, hash) = prefix.rsplit_once('-')?;
-    let (frames, iox) = rest.split_once('-')?;
-    let digits = |s: &str| !s.is_empty() && s.bytes().all(|b| b.is_ascii_digit() || b == b'.');
-    (digits(frames) && digits(iox) && is_hash(hash)).then_some((frames, iox, hash))
-}
-
 /// The prefix of a file of this place, in any version. Releases before the random digits took a hash of the folder.
 fn prefix_of(site: &Site, name: &str) -> Option<String> {
     let (frames, iox, hash) = parse(name)?;
     let digits = site.prefix().strip_prefix(&stamp())?.strip_suffix('_')?;
     let before = || format!("{:08x}", fnv(site.root().as_os_str().as_encoded_bytes()) as u32);
     (hash == digits || hash == before()).then(|| format!("ca{frames}-{iox}-{hash}_"))
-}
-
-/// Removes the files of this user whose names have these digits.
-pub(super) fn remove_hash(root: &Path, digits: &str) {
-    let mut remove = |path: PathBuf| {
-        if parse(&name(&path)).is_some_and(|(_, _, hash)| hash == digits) {
-            // a file that stays blocks nothing: no process looks for these digits again
-            let _ = fs::remove_file(&path);
-        }
-    };
-    each_ours(root, &mut remove);
-}
-
-/// All files of this user in `/dev/shm` and below the folder of a place.
-fn each_ours(root: &Path, each: &mut impl FnMut(PathBuf)) {
-    let uid = uid();
-    walk(Path::new(SHM), 0, &mut |path| {
-        if fs::symlink_metadata(&path).is_ok_and(|m| m.uid() == uid) {
-            each(path);
-        }
-    });
-    walk(root, 3, each);
-}
-
-/// All files below a folder.
-fn walk(folder: &Path, depth: u32, each: &mut impl FnMut(PathBuf)) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    for entry in entries.flatten() {
-        match entry.file_type() {
-            Ok(t) if t.is_dir() && depth > 0 => walk(&entry.path(), depth - 1, each),
-            Ok(t) if !t.is_dir() => each(entry.path()),
-            _ => {}
-        }
-    }
-}
-
-fn name(path: &Path) -> String {
-    path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// Everything of this place, one group a version.
@@ -211,24 +161,8 @@ pub(super) fn strangers(site: &Site) -> Result<(), HostError> {
         site.root().display(),
         group.frames,
         group.iox,
-        super::site::IOX,
+        IOX,
     );
     let fix = format!("run both sides from one release of ca, or apart with CA_SHM_ROOT=/tmp/ca-{me}-b");
     Err(HostError::new(HostErrorKind::Version, what, fix))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::parse;
-
-    #[test]
-    fn only_names_of_ours_are_read() {
-        assert_eq!(parse("ca1-0.10.0-1a2b3c4d_abc.data"), Some(("1", "0.10.0", "1a2b3c4d")));
-        assert_eq!(parse("ca12-0.9.3-00000000_"), Some(("12", "0.9.3", "00000000")));
-        for other in
-            ["iox2_abc.data", "ca1-0.10.0-1a2b3c4d", "cat-0.10.0-1a2b3c4d_", "ca1-x-1a2b3c4d_", "ca1-0.10.0-1a2b_x"]
-        {
-            assert_eq!(parse(other), None, "{other}");
-        }
-    }
 }

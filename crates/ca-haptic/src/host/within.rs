@@ -6,6 +6,7 @@
 //! asleep most of the time.
 
 use super::error::{HostError, HostErrorKind};
+use super::shm::files;
 use super::site::{Site, Swept};
 use super::{ours, room};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -28,7 +29,7 @@ pub(super) fn within<T: Send + 'static>(
 ) -> Result<T, HostError> {
     ours::check(site)?;
     room::check(need)?;
-    let foreign = ours::foreign(site.prefix());
+    let foreign = files::foreign(site.prefix());
     let made = limited(site, limit, act).map_err(|e| ours::blamed(site, e))?;
     ours::unmixed(site, &foreign)?;
     // what came while it was opened

@@ -5,7 +5,7 @@
 //! arguments of a command. The file is kept, so that the patch of a controller is set up once.
 
 use ca_device_tools::store;
-use ca_haptic::host::site::uid;
+use ca_haptic::host::user::uid;
 use ca_io::atomic_file;
 use ca_lab::Failure;
 use std::fs::File;

@@ -161,7 +161,7 @@ def _share(file: int, end: float) -> None:
 
 
 def _claim(root: str) -> tuple[str, Any]:
-    """The prefix of all names at this place, and the file whose lock protects it: see `host/prefix.rs`."""
+    """The prefix of all names at this place, and the file whose lock protects it: see `host/shm/prefix.rs`."""
 
     def prefix() -> str:
         digits = os.pread(file, 9, 0).decode("ascii", "replace")

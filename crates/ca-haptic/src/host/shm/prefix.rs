@@ -8,6 +8,7 @@
 //! digits: two processes of one place never have different prefixes. The kernel releases the lock of a killed process.
 //! Python does the same (`device.py`).
 
+use super::names::is_hash;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::os::unix::fs::{FileExt, OpenOptionsExt};
@@ -29,7 +30,11 @@ const LIMIT: Duration = Duration::from_secs(2);
 ///
 /// # Errors
 /// Where the file cannot be read, written or locked.
-pub(super) fn claim(root: &Path, squatted: impl Fn(&str) -> bool, retire: impl Fn(&str)) -> io::Result<(String, File)> {
+pub(in crate::host) fn claim(
+    root: &Path,
+    squatted: impl Fn(&str) -> bool,
+    retire: impl Fn(&str),
+) -> io::Result<(String, File)> {
     let mut options = OpenOptions::new();
     let file = options.read(true).write(true).create(true).truncate(false).mode(0o600).open(root.join(FILE))?;
     let end = Instant::now() + LIMIT;
@@ -87,7 +92,7 @@ fn digits(file: &File) -> io::Result<Option<String>> {
     let mut bytes = [0; DIGITS + 1];
     let n = file.read_at(&mut bytes, 0)?;
     let text = std::str::from_utf8(&bytes[..n]).unwrap_or_default();
-    Ok(super::stale_shm::is_hash(text).then(|| text.to_owned()))
+    Ok(is_hash(text).then(|| text.to_owned()))
 }
 
 fn random() -> io::Result<String> {
