@@ -6,7 +6,7 @@
 use ca_benches::instruments::page::page;
 use ca_benches::instruments::{BUILT, Figures, Instrument, Plays, all, figures, on_all_cores};
 use ca_io::flac;
-use ca_io::sound::Format;
+use ca_io::format::Format;
 use ca_report::{Sound, spectrogram};
 use std::path::Path;
 

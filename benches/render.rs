@@ -7,8 +7,9 @@
 use ca_accuracy::timing::processor;
 use ca_benches::catalog;
 use ca_compile::{Options, compile};
+use ca_io::format::Format;
 use ca_io::perform::Performance;
-use ca_io::sound::{Format, WavOut};
+use ca_io::sound::WavOut;
 use ca_lab::play::{BLOCK, audit, frames, play, seconds};
 use std::path::Path;
 

@@ -9,7 +9,8 @@
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
 use crate::flac::FlacOut;
-use crate::sound::{Format, WavOut, Written};
+use crate::format::Format;
+use crate::sound::{WavOut, Written};
 use crate::wav_header;
 use std::f64::consts::PI;
 use std::fs::File;

@@ -5,7 +5,8 @@
 
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
-use crate::sound::{Format, Level, Written, integer};
+use crate::format::Format;
+use crate::sound::{Level, Written, integer};
 use ca_core::internal::numeric::Plain;
 use flac_codec::Error;
 use flac_codec::encode::{FlacSampleWriter, Options};

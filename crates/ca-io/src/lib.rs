@@ -6,9 +6,10 @@
 //! only curves over time and MIDI as it is played. All three together:
 //!
 //! ```
+//! use ca_io::format::Format;
 //! use ca_io::gesture::{Gesture, GestureFormat};
 //! use ca_io::probe::ProbeOut;
-//! use ca_io::sound::{Format, WavOut};
+//! use ca_io::sound::WavOut;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // a key goes down 5 mm in 20 ms, stays, and comes up
@@ -50,6 +51,8 @@ pub mod error;
 pub mod files;
 #[cfg(feature = "files")]
 pub mod flac;
+#[cfg(feature = "files")]
+pub mod format;
 pub mod gesture;
 pub mod live_midi;
 #[cfg(feature = "files")]

@@ -18,6 +18,7 @@
 
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
+use crate::format::Format;
 use crate::wav_header;
 use ca_core::internal::numeric::Plain;
 use std::fs::File;
@@ -29,28 +30,6 @@ pub const MAX_CHANNELS: usize = 256;
 
 /// Bytes that go to the file at once.
 const ROOM: usize = 1 << 16;
-
-/// How a sample is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// 32-bit floats
-    F32,
-    /// 24-bit integers
-    I24,
-    /// 16-bit integers
-    I16,
-}
-
-impl Format {
-    /// Width of a sample \[bits\].
-    pub fn bits(self) -> u16 {
-        match self {
-            Format::F32 => 32,
-            Format::I24 => 24,
-            Format::I16 => 16,
-        }
-    }
-}
 
 /// What became of a sound.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! Tech 3306 proposes; other programs skip it. More than two channels or 16 bits make the format extensible; floats have a
 //! `fact`, which the format asks of all but integers. An unfinished file has open sizes.
 
-use crate::sound::Format;
+use crate::format::Format;
 
 /// Sizes that are not known, or stand in `ds64`.
 const OPEN: u32 = u32::MAX;

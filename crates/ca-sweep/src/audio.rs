@@ -3,7 +3,8 @@
 //! Decides for whole files in memory: a run is short, and it appears with its fellows or not at all (`folder.rs`).
 
 use ca_io::flac;
-use ca_io::sound::{self, Format};
+use ca_io::format::Format;
+use ca_io::sound;
 use ca_lab::Failure;
 
 /// In which form sounds are kept.

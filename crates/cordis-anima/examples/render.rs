@@ -1,7 +1,8 @@
 //! A model file, or a small string, played to its end into a WAV file:
 //! `cargo run -p cordis-anima --example render -- [MODEL.ca.toml [OUT.wav]]`
 
-use cordis_anima::ca_io::sound::{Format, WavOut};
+use cordis_anima::ca_io::format::Format;
+use cordis_anima::ca_io::sound::WavOut;
 use cordis_anima::{Error, Loaded, Options, render};
 
 const STRING: &str = r#"

@@ -3,9 +3,10 @@
 
 use ca_core::internal::io::midi::{MidiMap, MidiSource};
 use ca_io::FileErrorKind;
+use ca_io::format::Format;
 use ca_io::gesture::{Gesture, GestureFormat, PortMap};
 use ca_io::probe::ProbeOut;
-use ca_io::sound::{Format, WavOut};
+use ca_io::sound::WavOut;
 use npyz::WriterBuilder;
 use proptest::prelude::*;
 use std::path::Path;
