@@ -6,7 +6,7 @@
 //! taken, and the general law would run.
 
 use crate::op::kernel;
-use crate::{dry, kinds, params};
+use crate::{dry, params};
 use ca_core::internal::op::{Cheaper, LawEntry, LawFns};
 use ca_core::internal::phi;
 use ca_core::{Law, Phi, Real, Type};
@@ -84,10 +84,10 @@ pub fn fns<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>() ->
     LawFns { kernel: kernel::<R, P, C, M>, ..LawFns::of::<P, C, M>() }
 }
 
-/// The functions of all laws of this crate over `R`, for [`Scene::bind`](ca_core::Scene::bind).
+/// The functions over `R` of the laws of this file.
 pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
     let bow = [(BOW.code, fns::<R, phi::bow::Smooth, _, _>())];
-    own().into_iter().chain(bow).chain(dry::laws()).chain(kinds::quadripoles())
+    own().into_iter().chain(bow)
 }
 
 /// The law of this crate that is the form of `law`.

@@ -40,5 +40,11 @@ mod laws;
 pub mod op;
 mod params;
 
+use ca_core::Real;
+use ca_core::internal::op::LawEntry;
 pub use kinds::KINDS;
-pub use laws::laws;
+
+/// The functions of all laws of this crate over `R`, for [`Scene::bind`](ca_core::Scene::bind).
+pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
+    laws::laws::<R>().into_iter().chain(dry::laws()).chain(kinds::quadripoles())
+}
