@@ -1,9 +1,9 @@
 //! Derivatives of what a scene sounds, and of its energy, for `cordis_anima._analysis.gradient`.
 
+use crate::compiled::CompiledModel;
 use crate::error;
 use crate::gesture::Gesture;
 use crate::measure::table;
-use crate::scene::Scene;
 use crate::wait::apart;
 use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
@@ -91,11 +91,10 @@ fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> P
 
 impl Forward {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Forward> {
+    pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Forward> {
         let made = waiting(py, move |_| {
-            let (loaded, options) = scene.get().source();
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-            ca_gradient::Forward::new(loaded, options, &names)
+            ca_gradient::Forward::new(&of.loaded, &of.options, &names)
         });
         Ok(Forward(Arc::new(made?)))
     }
@@ -151,11 +150,10 @@ impl Forward {
 
 impl Energy {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Energy> {
+    pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Energy> {
         let made = waiting(py, move |_| {
-            let (loaded, options) = scene.get().source();
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-            ca_gradient::Energy::new(loaded, options, &names)
+            ca_gradient::Energy::new(&of.loaded, &of.options, &names)
         });
         Ok(Energy(Arc::new(made?)))
     }
@@ -189,11 +187,10 @@ impl Energy {
 
 impl Reverse {
     /// Of a model, by parameters of these names.
-    pub fn new(py: Python, scene: Py<Scene>, wrt: Vec<String>) -> PyResult<Reverse> {
+    pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Reverse> {
         let made = waiting(py, move |_| {
-            let (loaded, options) = scene.get().source();
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
-            ca_gradient::Reverse::new(loaded, options, &names)
+            ca_gradient::Reverse::new(&of.loaded, &of.options, &names)
         });
         Ok(Reverse(Arc::new(made?)))
     }

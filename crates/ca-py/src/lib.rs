@@ -12,6 +12,7 @@
 #![allow(clippy::needless_pass_by_value)]
 
 mod command;
+mod compiled;
 mod error;
 mod fit;
 mod gesture;

@@ -1,9 +1,9 @@
 //! A scene played to its end, into arrays.
 
+use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
 use crate::gesture::Gesture;
 use crate::measure::{energy, table};
-use crate::scene::Scene;
 use crate::wait::{Wanted, apart};
 use ca_core::Ledger;
 use ca_io::FileError;
@@ -15,6 +15,7 @@ use ca_lab::play::{self, BLOCK, Sample};
 use numpy::{Element, IntoPyArray as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::sync::Arc;
 
 /// The outputs of a scene.
 struct Heard<S> {
@@ -38,12 +39,12 @@ enum Unheard {
 }
 
 fn heard<S: Sample>(
-    of: &Scene,
+    of: &CompiledModel,
     seconds: Option<f64>,
     gesture: Option<&Gesture>,
     wanted: &Wanted,
 ) -> Result<Heard<S>, Unheard> {
-    let (scene, gesture) = (&*of.compiled, gesture.map(|g| &g.gesture));
+    let (scene, gesture) = (&*of.scene, gesture.map(|g| &g.gesture));
     let performance = Performance::new(scene, gesture).map_err(Unheard::Gesture)?;
     let length = play::Length::of(&performance, seconds);
     let frames = length.frames;
@@ -65,7 +66,7 @@ fn heard<S: Sample>(
         if wanted.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     });
     let played = played.map_err(Unheard::Failed)?;
-    let outcome = Outcome::of(&played, &level, (scene, &of.found), of.source(), gesture);
+    let outcome = Outcome::of(&played, &level, (scene, &of.found), (&of.loaded, &of.options), gesture);
     let frames = played.frames;
     let (run_time, energy) = (played.wall.as_secs_f64(), played.energy.map(|e| (e, played.energy_ticks)));
     Ok(Heard { frames, audio, probes, level, run_time, outcome, energy })
@@ -74,19 +75,19 @@ fn heard<S: Sample>(
 /// See `cordis_anima.Scene.render`; `S` is how samples are kept.
 pub fn render<S: Sample + Element + 'static>(
     py: Python<'_>,
-    scene: Py<Scene>,
+    model: Arc<CompiledModel>,
     seconds: Option<f64>,
     gesture: Option<Py<Gesture>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let of = scene.clone_ref(py);
-    let heard = apart(py, progress, move |wanted| heard::<S>(of.get(), seconds, gesture.as_ref().map(Py::get), wanted));
+    let of = model.clone();
+    let heard = apart(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
     let heard = heard?.map_err(|e| match e {
         Unheard::Gesture(e) => error::gesture(py, &e),
         Unheard::Room(n) => usage(py, &format!("{n} samples do not fit into memory; render less, or stream it")),
         Unheard::Failed(e) => failure(py, e),
     })?;
-    let scene = &*scene.get().compiled;
+    let scene = &*model.scene;
     let (frames, channels) = (heard.frames as usize, scene.counts.channels);
     let d = PyDict::new(py);
     d.set_item("audio", table(py, heard.audio, frames, channels)?)?;

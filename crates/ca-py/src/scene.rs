@@ -1,5 +1,6 @@
 //! Scenes: what is compiled, and what is made of it.
 
+use crate::compiled::CompiledModel;
 use crate::error::{failure, findings};
 use crate::gesture::Gesture;
 use crate::gradient::{Energy, Forward, Reverse};
@@ -12,7 +13,6 @@ use ca_core::internal::scene::modules;
 use ca_io::gesture::PortMap;
 use ca_lab::bytes;
 use ca_lab::load::{self, Loaded};
-use ca_model::diag::Diags;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -20,23 +20,17 @@ use std::sync::Arc;
 
 /// A compiled model.
 #[pyclass(frozen, module = "cordis_anima._core")]
-pub struct Scene {
-    pub(crate) compiled: Arc<ca_core::Scene>,
-    /// of reader and compiler
-    pub(crate) found: Diags,
-    loaded: Loaded,
-    options: Options,
-}
+pub struct Scene(Arc<CompiledModel>);
 
 impl Scene {
     /// A scene, with what it was compiled from.
     pub fn new(Compiled { scene, findings, .. }: Compiled, loaded: Loaded, options: Options) -> Scene {
-        Scene { compiled: Arc::new(scene), found: findings, loaded, options }
+        Scene(Arc::new(CompiledModel { scene: Arc::new(scene), found: findings, loaded, options }))
     }
 
     /// What it was compiled from, and how.
     pub fn source(&self) -> (&Loaded, &Options) {
-        (&self.loaded, &self.options)
+        (&self.0.loaded, &self.0.options)
     }
 }
 
@@ -44,10 +38,10 @@ impl Scene {
 impl Scene {
     /// Rates, names, counts.
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let s = &self.compiled;
+        let s = &self.0.scene;
         let d = PyDict::new(py);
         d.set_item("title", &s.about.title)?;
-        d.set_item("name", &self.loaded.name)?;
+        d.set_item("name", &self.0.loaded.name)?;
         d.set_item("rate", s.rate)?;
         d.set_item("gesture_rate", s.rate / f64::from(s.rates.ratio))?;
         d.set_item("ratio", s.rates.ratio)?;
@@ -70,36 +64,37 @@ impl Scene {
             InputRole::Force => "force",
             InputRole::Device => "device",
         };
-        self.compiled.inputs.iter().map(|i| (i.name.as_str(), role(i.role), i.rest)).collect()
+        self.0.scene.inputs.iter().map(|i| (i.name.as_str(), role(i.role), i.rest)).collect()
     }
 
     /// Live parameters: name, value, least, most, unit, document.
     #[getter]
     fn params(&self) -> Vec<(&str, f64, f64, f64, &str, &str)> {
-        let list = self.compiled.live.params.iter();
+        let list = self.0.scene.live.params.iter();
         list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
     }
 
     /// Probes: their names, and for each the selector that asked for it.
     #[getter]
     fn probes(&self) -> (Vec<String>, Vec<u32>) {
-        (self.compiled.names.probe_names.clone(), self.compiled.names.probe_of.clone())
+        (self.0.scene.names.probe_names.clone(), self.0.scene.names.probe_of.clone())
     }
 
     /// What names it among machines: the hash of its model's bytes and of its sound rate.
-    fn digest(scene: Py<Scene>, py: Python) -> PyResult<String> {
-        let named = apart(py, None, move |_| bytes::named(&scene.get().loaded, scene.get().compiled.rate))?;
+    fn digest(&self, py: Python) -> PyResult<String> {
+        let of = self.0.clone();
+        let named = apart(py, None, move |_| bytes::named(&of.loaded, of.scene.rate))?;
         Ok(named.map_err(|e| failure(py, e))?.to_hex().to_string())
     }
 
     /// JSON of what was found, and how it reads.
     fn findings(&self) -> (String, String) {
-        findings(&self.found, &self.loaded.model)
+        findings(&self.0.found, &self.0.loaded.model)
     }
 
     /// What is proven of its stability.
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let c = &self.compiled.certificate;
+        let c = &self.0.scene.certificate;
         let d = PyDict::new(py);
         d.set_item("level", c.level.to_string())?;
         d.set_item("bound", c.bound)?;
@@ -122,48 +117,48 @@ impl Scene {
 
     /// Plays it: see `cordis_anima.Scene.render`; `double` says how samples are kept.
     #[pyo3(signature = (seconds, gesture, double, progress))]
-    fn render(
-        scene: Py<Scene>,
-        py: Python<'_>,
+    fn render<'py>(
+        &self,
+        py: Python<'py>,
         seconds: Option<f64>,
         gesture: Option<Py<Gesture>>,
         double: bool,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<Bound<'_, PyDict>> {
+    ) -> PyResult<Bound<'py, PyDict>> {
         let run = if double { render::<f64> } else { render::<f32> };
-        run(py, scene, seconds, gesture, progress)
+        run(py, self.0.clone(), seconds, gesture, progress)
     }
 
     /// With derivatives by parameters of these names.
-    fn forward(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
-        Forward::new(py, scene, wrt)
+    fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
+        Forward::new(py, self.0.clone(), wrt)
     }
 
     /// With derivatives of its energy by parameters of these names.
-    fn energy_forward(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
-        Energy::new(py, scene, wrt)
+    fn energy_forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
+        Energy::new(py, self.0.clone(), wrt)
     }
 
     /// To be gone back over, with derivatives by parameters of these names.
-    fn reverse(scene: Py<Scene>, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
-        Reverse::new(py, scene, wrt)
+    fn reverse(&self, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
+        Reverse::new(py, self.0.clone(), wrt)
     }
 
     /// The page of a film of it: see `cordis_anima.Scene.view`.
     #[pyo3(signature = (seconds, gesture, progress))]
     fn view(
-        scene: Py<Scene>,
+        &self,
         py: Python,
         seconds: Option<f64>,
         gesture: Option<Py<Gesture>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
+        let of = self.0.clone();
         let page = apart(py, progress, move |wanted| {
-            let of = scene.get();
             // what nothing hears is seen all the same
             let options = Options { whole: true, energy: false, probes: Vec::new(), ..of.options.clone() };
             let whole = load::compiled(&of.loaded, &options).0;
-            let (scene, gesture) = (whole.as_ref().unwrap_or(&of.compiled), gesture.as_ref().map(|g| &g.get().gesture));
+            let (scene, gesture) = (whole.as_ref().unwrap_or(&of.scene), gesture.as_ref().map(|g| &g.get().gesture));
             ca_film::scene(scene, gesture, seconds, &mut |done, all| wanted.goes_on(done, all))
         });
         page?.map_err(|e| failure(py, e))
@@ -173,12 +168,12 @@ impl Scene {
     /// that of an array without times.
     fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
         let map = |i: &ca_core::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
-        let ports: Vec<PortMap> = self.compiled.inputs.iter().filter_map(map).collect();
+        let ports: Vec<PortMap> = self.0.scene.inputs.iter().filter_map(map).collect();
         Gesture::open(py, path, ports, port, rate)
     }
 
     /// A running one.
     fn sim(&self) -> Sim {
-        Sim::new(self.compiled.clone())
+        Sim::new(self.0.scene.clone())
     }
 }
