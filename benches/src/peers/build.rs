@@ -41,7 +41,7 @@ pub fn version(program: &str) -> Option<String> {
     String::from_utf8_lossy(&out.stdout).lines().next().map(|l| l.trim().to_owned())
 }
 
-/// A Python that has numba, and the version of both: the one that `benches/python/run` installs, or that of the system.
+/// A Python that has numba, and the version of both: the one that `crates/ca-py/benches/run` installs, or that of the system.
 pub fn numba() -> Option<(PathBuf, String)> {
     let own = folder().join("../venv-bench/bin/python");
     [own, PathBuf::from("python3")].into_iter().find_map(|python| {

@@ -19,7 +19,7 @@ import torch
 import cordis_anima as ca
 import cordis_anima.torch as cat
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 MASSES, INSTANCES, STEPS, SECONDS = 24, 64, int(os.environ.get("STEPS", "200")), 0.05
 K, Z, M, T = 1000.0, 2e-3, 1e-3, 1 / 48000
 
@@ -87,7 +87,7 @@ def main() -> None:
         [
             "# Learning through renders",
             "",
-            f"Written by `UPDATE=1 benches/python/learn`. {cpu}, {os.cpu_count()} cores, Python {platform.python_version()},",
+            f"Written by `UPDATE=1 crates/ca-py/benches/learn`. {cpu}, {os.cpu_count()} cores, Python {platform.python_version()},",
             f"PyTorch {torch.__version__.split('+')[0]}; shared with others, so that figures differ by a tenth and more from run to run.",
             "",
             f"Stiffness and viscosity of {INSTANCES} strings of {MASSES} masses, from starts up to 9 cents and a factor of 1.6 off, by {STEPS} steps of",

@@ -25,7 +25,7 @@ import numpy as np
 import cordis_anima as ca
 from joblib.externals.loky import get_reusable_executor as get_executor
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).resolve().parent
 RATE = 48000
 ROUNDS = 7
@@ -232,7 +232,7 @@ def main() -> None:
     lines = [
         "# The Python package, measured",
         "",
-        "Written by `UPDATE=1 benches/python/run`; every figure is the quickest of several turns, and what is compared takes",
+        "Written by `UPDATE=1 crates/ca-py/benches/run`; every figure is the quickest of several turns, and what is compared takes",
         f"turns. {machine()}; shared with others, so that figures differ by a tenth and more from run to run.",
         "",
         "## Threads",
