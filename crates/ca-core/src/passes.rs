@@ -1,7 +1,7 @@
 //! The kernel of each pass that is not of links, over any number.
 
 use crate::border::{self, group};
-use crate::method::{implicit, modes, pefrl, quadratised};
+use crate::method::{implicit, modes, pefrl, together};
 use crate::numeric::Real;
 use crate::op::{Kernel, Op, Pass, blocker, driven, energy, heard, lowpass, pass, substep, wave};
 
@@ -29,8 +29,8 @@ impl Pass {
             Pass::Implicit => implicit::solve,
             Pass::ImplicitPairs => implicit::pairs,
             Pass::ModesAhead => modes::ahead,
-            Pass::Contacts { modes: false } => quadratised::solve,
-            Pass::Contacts { modes: true } => quadratised::solve_modes,
+            Pass::Contacts { modes: false } => together::solve::<R, false>,
+            Pass::Contacts { modes: true } => together::solve::<R, true>,
             Pass::ModesAgain => modes::back,
             Pass::Mute => border::mute,
             Pass::DevicesOut(way) => border::collect(way),

@@ -1,6 +1,6 @@
 //! The formats of the samples of a sound file, by their type and width.
 
-/// How a sample is stored.
+/// The formats in which a sample is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// 32-bit floats

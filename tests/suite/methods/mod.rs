@@ -7,6 +7,7 @@ mod implicit;
 mod modal;
 mod modal_stable;
 mod pefrl;
+mod potential;
 mod scheme;
 mod shared;
 pub mod stable;

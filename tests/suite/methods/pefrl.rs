@@ -55,7 +55,7 @@ fn missed(rate: f64) -> f64 {
 fn it_is_of_fourth_order() {
     let order = (missed(400.0) / missed(800.0)).log2();
     within("order of an oscillator − 4", (order - 4.0).abs(), 0.1);
-    let order = (duffing("pefrl", 48e3) / duffing("pefrl", 96e3)).log2();
+    let order = (duffing("pefrl", "", 48e3) / duffing("pefrl", "", 96e3)).log2();
     within("B03 order − 4", (order - 4.0).abs(), 0.1);
 }
 

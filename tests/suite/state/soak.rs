@@ -52,6 +52,10 @@ enum Tie {
     Hard,
     /// a contact of round bodies
     Round,
+    /// springs that harden, as a cube and as a table, and a plectrum
+    Cubic,
+    Drawn,
+    Plectrum,
     Bow,
     Crossed,
 }
@@ -81,7 +85,19 @@ fn line() -> impl Strategy<Value = Line> {
         decades(3.0),
         viscosity(),
     );
-    let kinds = [Tie::Plain, Tie::Centred, Tie::Implicit, Tie::Contact, Tie::Hard, Tie::Round, Tie::Bow, Tie::Crossed];
+    let kinds = [
+        Tie::Plain,
+        Tie::Centred,
+        Tie::Implicit,
+        Tie::Contact,
+        Tie::Hard,
+        Tie::Round,
+        Tie::Cubic,
+        Tie::Drawn,
+        Tie::Plectrum,
+        Tie::Bow,
+        Tie::Crossed,
+    ];
     let tie = (select(kinds.to_vec()), any::<Index>(), any::<Index>(), decades(3.0), viscosity());
     let (bodies, ties) = (proptest::collection::vec(body, 2..6), proptest::collection::vec(tie, 1..9));
     (bodies, ties, 0.1..0.99).prop_map(|(mut bodies, ties, near): (Vec<(Body, f64, f64, f64)>, _, _)| {
@@ -113,8 +129,24 @@ impl Line {
 
     /// The model, one tick a second, with stiffness and viscosity times `scale`.
     fn text(&self, scale: f64) -> String {
-        let codes =
-            ["SOL", "MAS", "CEL", "WAVEGUIDE", "STRING", "REF", "BUT", "HRZ", "BOW", "LPR", "SOX", "ENF", "ENX"];
+        let codes = [
+            "SOL",
+            "MAS",
+            "CEL",
+            "WAVEGUIDE",
+            "STRING",
+            "REF",
+            "BUT",
+            "HRZ",
+            "CUB",
+            "LNL",
+            "PLK",
+            "BOW",
+            "LPR",
+            "SOX",
+            "ENF",
+            "ENX",
+        ];
         let mut parts = codes.map(|code| (code, String::new()));
         let mut add = |code: &str, name: String, args: String| {
             let part = parts.iter_mut().find(|p| p.0 == code).expect("a section");
@@ -136,7 +168,8 @@ impl Line {
             add("SOX", format!("o{i}"), format!("from = \"{}\"", self.end(i)));
         }
         // what is implicit in two ways cannot share a mass
-        let blows = self.ties.iter().any(|t| matches!(t.0, Tie::Contact | Tie::Hard | Tie::Round | Tie::Bow));
+        let plain = [Tie::Plain, Tie::Centred, Tie::Implicit, Tie::Crossed];
+        let blows = self.ties.iter().any(|t| !plain.contains(&t.0));
         for (l, (tie, a, b, k, z)) in self.ties.iter().enumerate() {
             let n = self.bodies.len();
             let a = a.index(n);
@@ -151,6 +184,14 @@ impl Line {
                     ("BUT", format!("{ends}, k = {:e}, z = {:e}, method = \"stable\"", 1e6 * k * scale, z * scale))
                 }
                 Tie::Round => ("HRZ", format!("{ends}, k = {:e}, method = \"stable\"", k * scale)),
+                Tie::Cubic => ("CUB", format!("{ends}, {held}, k3 = {:e}, method = \"stable\"", k * scale)),
+                Tie::Drawn => {
+                    let [k, z] = [k * scale, z * scale];
+                    let spring = format!("[[-2, {:e}], [-1, {:e}], [0, 0], [0.5, {k:e}], [3, {:e}]]", -k, -k, 9.0 * k);
+                    let friction = format!("[[-1, {:e}], [1, {z:e}]]", -z);
+                    ("LNL", format!("{ends}, spring = {spring}, friction = {friction}, method = \"stable\""))
+                }
+                Tie::Plectrum => ("PLK", format!("{ends}, {held}, d = 1, method = \"stable\"")),
                 Tie::Bow => ("BOW", format!("{ends}, f = {:e}, v0 = 1, method = \"secant\"", k * scale)),
                 Tie::Crossed => ("LPR", format!("{ends}, onto = [\"wall\", \"{p}\"], {held}")),
                 Tie::Centred if !blows => ("REF", format!("{ends}, {held}, method = \"centred\"")),

@@ -49,7 +49,7 @@ pub fn contacts(
 ) {
     let mut reported = BTreeSet::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
-        if b.active && reported.insert(l.item) {
+        if b.active && l.law.stage.is_explicit() && reported.insert(l.item) {
             let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
             diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
         }
@@ -92,9 +92,19 @@ pub fn contacts(
     }
 }
 
-/// The method that a contact may have instead.
+/// The method that a contact may have instead; empty where it would not serve.
 pub fn stable(l: &LiaNode) -> &'static str {
-    if l.kind.param("method").is_some() { "`method = \"stable\"`" } else { "" }
+    let words = methods_of(l);
+    let serves = words.contains(&"stable") && (words.contains(&"stable3d") || !l.is_radial());
+    if serves { "`method = \"stable\"`" } else { "" }
+}
+
+/// The words that a link may have as its method.
+fn methods_of(l: &LiaNode) -> &'static [&'static str] {
+    match l.kind.param("method").map(|at| l.kind.params[at].ty) {
+        Some(Type::Choice(words)) => words,
+        _ => &[],
+    }
 }
 
 /// The place of the steepest slope, as the end of a sentence.
@@ -159,8 +169,11 @@ pub fn frictions(
             );
             let less = quantity::Plain(round_up(steep / 1.5));
             let method = if steep < STEEPEST { "newton" } else { "secant" };
-            let other =
-                if l.kind.param("method").is_some() { format!(", or `method = \"{method}\"`") } else { String::new() };
+            let other = match methods_of(l) {
+                words if words.contains(&method) => format!(", or `method = \"{method}\"`"),
+                words if words.contains(&"stable") && !l.is_radial() => ", or `method = \"stable\"`".into(),
+                _ => String::new(),
+            };
             let help = format!(
                 "a {less} times smaller force or larger speed of stick, heavier masses, or a higher {} rate{other}",
                 net.clock()

@@ -58,6 +58,26 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     // friction at shared masses is solved with the contacts of §3.4, whose system is linear as its own
     let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact;
     let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
+    let bounds = worst_bounds(net);
+    for (l, b) in net.lias.iter().zip(&bounds).zip(&shared).filter(|(_, shared)| **shared).map(|(l, _)| l) {
+        let SolveStage::Single(laws) = l.law.stage else { continue };
+        let (title, label, help) = match laws.line {
+            _ if matches!(l.measure, Measure::Radial) && laws.space.is_none() => {
+                let title = format!("the method of `{}` is for links on a line", l.name);
+                (title, "in space", "use `method = \"ca\"`, or `along` for a difference along one direction")
+            }
+            // of a force that falls the step may have several solutions
+            line if laws.space.is_none() && (line.is_none() || b.active) => {
+                let title =
+                    format!("the force of `{}` falls, and other links by such a method move its masses", l.name);
+                (title, "not together with others", "use `method = \"ca\"` for this one")
+            }
+            _ => continue,
+        };
+        if reported.insert(l.item) {
+            diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
+        }
+    }
     together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
 }
 
@@ -100,7 +120,8 @@ pub fn choose_modes(net: &mut Pruned) {
 fn together(net: &mut Pruned, shared: &[bool], on_line: impl Fn(&LiaNode) -> bool) {
     for (l, shared) in net.lias.iter_mut().zip(shared) {
         if let (SolveStage::Single(laws), true) = (l.law.stage, shared) {
-            l.law = if on_line(l) { laws.line } else { laws.space };
+            let [first, other] = if on_line(l) { [laws.line, laws.space] } else { [laws.space, laws.line] };
+            l.law = first.or(other).unwrap_or(l.law);
         }
     }
 }

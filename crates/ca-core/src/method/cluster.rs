@@ -7,39 +7,53 @@
 //! ```
 //! with s the change of penetration over two ticks, s* the change by all other forces, a the penetration before and W = T² G M⁻¹ Gᵀ. A
 //! rising force makes h rise, so the step is the minimum of a strictly convex function and has one solution. Newton's method finds
-//! it: with the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the linear system of [`super::quadratised`], which therefore also
+//! it, with a line search: with the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the linear system of [`super::quadratised`], which therefore also
 //! takes contacts in space and friction that share masses with these. Contacts without slope do not enter.
 //!
 //! The energy held is U of the true penetration, so nothing drifts from it, and the balance holds for every stiffness. With
 //! `sticky = false` a pull is left out: h is 0 there, and what U loses is heat.
 
-use super::quadratised::{Response, conjugate, enter, reach, respond};
-use super::spring::{Contact, Linear, Power, Spring};
-use crate::numeric::{Precision, Real};
+use super::spring::{Contact, Spring};
+use super::system::{Response, conjugate, enter, reach, respond};
+use super::together::gathered;
+use crate::numeric::{Precision, Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, Curve, Part};
+use core::marker::PhantomData;
 
-/// Newton steps of a tick at most; four are usual. From [`DAMPED`] on every second step is halved unless it is half
-/// of the one before.
+/// Newton steps of a tick at most; four are usual. From [`SEARCHED`] on a step may be shortened, this often.
 const STEPS: usize = 100;
-const DAMPED: usize = 8;
+const SEARCHED: usize = 4;
+const SHORTER: usize = 20;
 
-/// A step that changes motion by this part of it is the last; below the second bound, a step that is hardly smaller than the
-/// one before is rounding.
-fn near<R: Real>() -> [R; 2] {
-    (if matches!(R::PRECISION, Precision::Single) { [3e-7, 1e-4] } else { [4e-16, 1e-11] }).map(R::of)
+/// When a step is the last one, as parts of a motion.
+struct Near<R> {
+    /// it changes each motion by no more
+    last: R,
+    /// it changes them by no more, and hardly less than the step before: that is rounding
+    rounded: R,
+    /// once steps may be shortened: it changes them by no more, or the largest by no more than `of_all`, and hardly less than the smallest step
+    stands: R,
+    /// see `stands`
+    of_all: R,
+}
+
+fn near<R: Real>() -> Near<R> {
+    let single = matches!(R::PRECISION, Precision::Single);
+    let [last, rounded, stands, of_all] = if single { [3e-7, 1e-4, 1e-3, 1e-5] } else { [4e-16, 1e-11, 1e-9, 1e-13] };
+    Near { last: R::of(last), rounded: R::of(rounded), stands: R::of(stands), of_all: R::of(of_all) }
 }
 
 /// A one-sided spring by this method, `at_modes` of masses that go by their modes. Memory: heat of the tick \[J\].
-pub const fn law<S: Spring<f64>>(spring: Law, at_modes: &'static Law) -> Law {
+pub const fn law<S: Spring<f64> + 'static>(spring: Law, at_modes: &'static Law) -> Law {
     Law { mem: 1, stage: SolveStage::Coupled(Some(at_modes)), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
 /// Its functions, made of the functions of the spring.
-pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
+pub const fn fns<R: Real, S: Spring<R> + 'static>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(R::ZERO),
         energies: Energies::kept(spring.energies.stored, |_, mem, _, _| mem[0]),
@@ -48,7 +62,7 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     }
 }
 
-fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
+fn kernel<R: Real, S: Spring<R> + 'static>(form: Form) -> Kernel<R> {
     match form.measure {
         MeasureKind::Line => gather::<R, S, Line>,
         MeasureKind::Along => gather::<R, S, Along>,
@@ -57,7 +71,7 @@ fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
 }
 
 /// Collects the contacts of `op`: one that touches nothing may be pushed by another.
-fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+fn gather<R: Real, S: Spring<R> + 'static, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
         let ends = layout.links.ends[op.first + i].map(|m| m as usize);
@@ -76,65 +90,79 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let at = if part == Part::Waits { link.free } else { contact.alone(from, link.free, link.own, z) };
         let mem = op.mem + i;
-        enter(s, ActiveContact { mem, clip: contact.clip, curve: S::CURVE, coef, from, z, at, part, ..link });
+        enter(
+            s,
+            ActiveContact {
+                mem,
+                clip: contact.clip,
+                curve: Some(OfSpring::<R, S>::CURVE),
+                coef,
+                from,
+                z,
+                at,
+                part,
+                ..link
+            },
+        );
     }
 }
 
-/// Push and its slope at the change of penetration `at` that is assumed.
-fn push<R: Real>(t: &ActiveContact<R>) -> [R; 2] {
-    let [push, slope] = match t.curve {
-        Curve::Linear => Contact::<R, Linear<R>>::of(&t.coef).between(t.from, t.at),
-        Curve::Power => Contact::<R, Power<R>>::of(&t.coef).between(t.from, t.at),
-        Curve::Quadratised => [R::ZERO; 2],
+/// The curve of a one-sided spring.
+struct OfSpring<R, S>(PhantomData<(R, S)>);
+
+impl<R: Real, S: Spring<R> + 'static> OfSpring<R, S> {
+    const CURVE: &'static Curve<R> = &Curve {
+        push: |coef, _, from, change| Contact::<R, S>::of(coef).between(from, change),
+        released: |coef, _, from, change| {
+            let contact = Contact::<R, S>::of(coef);
+            contact.potential(from) - contact.potential(from + change)
+        },
     };
+}
+
+/// Push of a curve, with its viscosity, and its slope at the change of penetration that is assumed.
+fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) -> [R; 2] {
+    let [push, slope] = (curve.push)(&t.coef, tables, t.from, t.at);
     let half = R::of(0.5) * t.z;
     let [push, slope] = [push + half * t.at, slope + half];
     if t.clip && push < R::ZERO { [R::ZERO; 2] } else { [push, slope] }
 }
 
-/// The potential of a contact before the tick less that after it \[J\].
-fn released<R: Real>(t: &ActiveContact<R>) -> R {
-    let [before, after] = [t.from, t.from + t.at].map(|eta| match t.curve {
-        Curve::Linear => Contact::<R, Linear<R>>::of(&t.coef).potential(eta),
-        Curve::Power => Contact::<R, Power<R>>::of(&t.coef).potential(eta),
-        Curve::Quadratised => R::ZERO,
-    });
-    before - after
-}
-
 /// Solves for the pushes of all contacts: `p` is the push of each, `at` its change of penetration. False where the bound on
 /// iterations was met.
 pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
-    let (mut solved, mut before) = (false, R::INFINITY);
-    let [last, rounded] = near::<R>();
+    let (mut solved, mut before, mut least) = (false, R::INFINITY, R::INFINITY);
+    let near = near::<R>();
     for step in 0..STEPS {
-        let mut acting = 0;
-        for i in 0..all.len() {
-            let t = &mut all[i];
-            if t.curve == Curve::Quadratised {
-                (t.bias, t.stiff) = (t.gamma * t.psi, R::of(0.25) * t.gamma * t.gamma + R::of(0.5) * t.z);
-                t.stiff = if t.part == Part::LeftOut { R::ZERO } else { t.stiff };
+        let full = step < SEARCHED || solved || !shortened(all, &to.layout.tables);
+        for t in &mut *all {
+            t.last = [t.at, t.p, R::ZERO];
+            if let Some(curve) = t.curve {
+                let [push, slope] = push(t, curve, &to.layout.tables);
+                t.last[2] = push - t.p;
+                // of a force that falls only the value counts
+                t.stiff = slope.max(R::ZERO);
+                t.bias = push - t.stiff * t.at;
+            } else if t.part == Part::LeftOut {
+                (t.bias, t.stiff) = (R::ZERO, R::ZERO);
             } else {
-                let [push, slope] = push(t);
-                (t.bias, t.stiff) = (push - slope * t.at, slope);
+                (t.bias, t.stiff) = (t.gamma * t.psi, R::of(0.25) * t.gamma * t.gamma + R::of(0.5) * t.z);
             }
-            if t.stiff > R::ZERO {
-                t.diag = t.own + R::of(1.0) / t.stiff;
-                all.swap(i, acting);
-                acting += 1;
-            }
+            t.diag = t.own + R::of(1.0) / t.stiff;
+            t.y = R::ZERO;
         }
-        conjugate(&mut all[..acting], to);
-        for (i, t) in all.iter_mut().enumerate() {
-            t.p = if i < acting { t.bias + t.y } else { R::ZERO };
+        let acting = gathered(all, |t| t.stiff > R::ZERO);
+        conjugate(all, acting, to);
+        for t in &mut *all {
+            t.p = t.bias + t.y;
         }
         respond(all, to);
-        let (mut again, mut worst) = (false, R::ZERO);
+        let (mut again, mut worst, mut moves, mut far) = (false, R::ZERO, R::ZERO, R::ZERO);
         for (i, t) in all.iter_mut().enumerate() {
             // a push that is small among others has few digits, and so has the motion of one that is stiff
             let stiff = i < acting && t.stiff * t.own > R::of(1.0);
             let moved = if stiff { t.y / t.stiff } else { t.free - t.q };
-            if t.curve == Curve::Quadratised {
+            if t.curve.is_none() {
                 // one that would pull is left out for this tick
                 if t.clip && t.p < R::ZERO {
                     (t.part, again) = (Part::LeftOut, true);
@@ -144,11 +172,8 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             }
             let scale = t.free.abs().max(moved.abs()).max(t.from.abs());
             worst = worst.max((moved - t.at).abs() / scale.max(R::of(f64::MIN_POSITIVE)));
-            t.r = moved;
-        }
-        let halved = step >= DAMPED && step % 2 == 1 && worst > R::of(0.5) * before;
-        for t in all.iter_mut().filter(|t| t.curve != Curve::Quadratised) {
-            t.at = if halved { R::of(0.5) * (t.at + t.r) } else { t.r };
+            (moves, far) = (moves.max((moved - t.at).abs()), far.max(scale));
+            t.at = moved;
         }
         if solved {
             // derivatives have arrived too, and the number stays what it is without them
@@ -159,8 +184,11 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             }
             return true;
         }
-        solved = !again && (worst <= last || !halved && worst <= rounded && worst > R::of(0.75) * before);
-        before = worst;
+        let hardly_smaller = full && worst <= near.rounded && worst > R::of(0.75) * before;
+        let little = worst <= near.stands || moves <= near.of_all * far;
+        let stands = step > SEARCHED && little && worst > R::of(0.5) * least;
+        solved = !again && (worst <= near.last || hardly_smaller || stands);
+        (before, least) = (worst, least.min(worst));
         if solved {
             if !matches!(R::PRECISION, Precision::Dual) {
                 return true;
@@ -173,7 +201,31 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
     solved
 }
 
+/// Shortens the last step where it went too far: along it the slope of the convex function whose minimum is sought, Σ (h − N) Δs, has
+/// grown above 0 by more than half of what it was below. False where the whole step serves.
+fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool {
+    let curves = |all: &[ActiveContact<R>], excess: &dyn Fn(&ActiveContact<R>, &Curve<R>) -> R| -> R {
+        all.iter().filter_map(|t| Some(excess(t, t.curve?) * (t.at - t.last[0]))).sum()
+    };
+    for tries in 0..SHORTER {
+        let before = curves(all, &|t, _| t.last[2]).abs();
+        let now = curves(all, &|t, curve| push(t, curve, tables)[0] - t.p);
+        if now.wide().is_nan() || now <= R::of(0.5) * before {
+            return tries > 0;
+        }
+        let share = (before / (before + now)).max(R::of(0.1)).min(R::of(0.5));
+        for t in &mut *all {
+            t.at = t.last[0] + share * (t.at - t.last[0]);
+            t.p = t.last[1] + share * (t.p - t.last[1]);
+        }
+    }
+    true
+}
+
 /// Heat of the tick \[J\].
-pub(super) fn heat<R: Real>(t: &ActiveContact<R>) -> R {
-    if t.clip && t.p <= R::ZERO { R::of(0.5) * released(t) } else { R::of(0.25) * t.z * t.at * t.at }
+pub(super) fn heat<R: Real>(t: &ActiveContact<R>, tables: &[Table<R>]) -> R {
+    match t.curve {
+        Some(curve) if t.clip && t.p <= R::ZERO => R::of(0.5) * (curve.released)(&t.coef, tables, t.from, t.at),
+        _ => R::of(0.25) * t.z * t.at * t.at,
+    }
 }

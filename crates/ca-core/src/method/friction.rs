@@ -12,11 +12,11 @@
 //!   ticks fT/4mn is left of it.
 //!
 //! In both the last step is the same, so an iteration that has not quite arrived costs accuracy and no energy. Where
-//! the place is shared, and in space, all is one linear system in the motion, which [`super::quadratised`] solves with
+//! the place is shared, and in space, all is one linear system in the motion, which `together.rs` beside this solves with
 //! the contacts: the λ of the secant are viscosities there. A table that drives is cut to what resists.
 
 use super::newton::root;
-use super::quadratised::{join, reach};
+use super::system::{join, reach};
 use super::{free_motion, mobility};
 use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table};

@@ -20,8 +20,11 @@ pub mod implicit;
 pub mod modes;
 mod newton;
 pub mod pefrl;
+pub(crate) mod potential;
 pub mod quadratised;
 pub(crate) mod spring;
+mod system;
+pub(crate) mod together;
 
 use crate::numeric::Real;
 use crate::op::layout::Layout;

@@ -8,13 +8,9 @@ use super::newton::root;
 use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
-use crate::state::active_contacts::Curve;
 
 /// The elastic part of a law and its losses.
 pub trait Spring<R: Real>: Copy {
-    /// Its curve.
-    const CURVE: Curve;
-
     /// True where viscosity has no bound, so that rounding must not be multiplied by it.
     const HARDENS: bool;
 
@@ -128,7 +124,6 @@ pub struct Linear<R: Real> {
 }
 
 impl<R: Real> Spring<R> for Linear<R> {
-    const CURVE: Curve = Curve::Linear;
     const HARDENS: bool = false;
     fn contact(&[k, z, d, side, clip]: &[R; 5]) -> Contact<R, Linear<R>> {
         Contact { k, d, side, clip: clip != R::ZERO, spring: Linear { z } }
@@ -175,7 +170,6 @@ impl<R: Real> Power<R> {
 }
 
 impl<R: Real> Spring<R> for Power<R> {
-    const CURVE: Curve = Curve::Power;
     const HARDENS: bool = true;
     fn contact(&[q, n, loss, d, side]: &[R; 5]) -> Contact<R, Power<R>> {
         let spring = Power { n, loss };

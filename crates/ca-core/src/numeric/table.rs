@@ -24,6 +24,8 @@ pub struct Table<R: Real = f64> {
     per: R,
     /// largest and smallest slope of any segment
     slopes: (f64, f64),
+    /// the largest value, without its sign
+    most: f64,
 }
 
 /// The numbers that make a table: abscissae, values, and 1/spacing or 0.
@@ -84,7 +86,8 @@ impl<R: Real> Table<R> {
     }
 
     fn of(x: Vec<R>, y: Vec<R>, per: R) -> Table<R> {
-        let mut t = Table { area: alloc::vec![R::ZERO; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX) };
+        let most = y.iter().fold(0.0, |most: f64, y| most.max(y.wide().abs()));
+        let mut t = Table { area: alloc::vec![R::ZERO; x.len()], x, y, per, slopes: (f64::MIN, f64::MAX), most };
         for i in 1..t.x.len() {
             t.area[i] = t.area[i - 1] + R::of(0.5) * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
@@ -168,6 +171,33 @@ impl<R: Real> Table<R> {
             }
         }
         if x == R::ZERO { R::ZERO } else { self.at(x) / x }
+    }
+
+    /// The mean value between two places, and how it rises with the second. Integrals are added from the places on, since the
+    /// difference of two from 0 on would be all rounding where they are near.
+    pub(crate) fn mean(&self, a: R, s: R) -> [R; 2] {
+        let (half, n) = (R::of(0.5), self.x.len());
+        // 0 before the first point, n behind the last
+        let piece = |x: R| match () {
+            () if x < self.x[0] => 0,
+            () if x >= self.x[n - 1] => n,
+            () => 1 + self.segment(x),
+        };
+        let [low, high] = if a <= s { [a, s] } else { [s, a] };
+        let [first, last] = [low, high].map(piece);
+        let [at_low, at_high] = [low, high].map(|x| self.at(x));
+        if first >= last {
+            return [half * (at_low + at_high), half * self.slope(s)];
+        }
+        let before = half * (at_low + self.y[first]) * (self.x[first] - low);
+        let behind = half * (self.y[last - 1] + at_high) * (high - self.x[last - 1]);
+        let mean = (before + (self.area[last - 1] - self.area[first]) + behind) / (high - low);
+        [mean, (self.at(s) - mean) / (s - a)]
+    }
+
+    /// The largest value, without its sign.
+    pub(crate) fn most(&self) -> f64 {
+        self.most
     }
 
     /// Largest and smallest slope of any segment.

@@ -119,16 +119,16 @@ pub enum SolveStage {
 /// The laws that run where a link of [`SolveStage::Single`] may not act alone.
 #[derive(Clone, Copy)]
 pub struct Together {
-    /// on a line and along a direction
-    pub line: &'static Law,
-    /// in space, and everywhere until arithmetic 5
-    pub space: &'static Law,
+    /// on a line and along a direction; none where the law may not share a mass
+    pub line: Option<&'static Law>,
+    /// in space, and everywhere until arithmetic 5; none where the method is for lines alone
+    pub space: Option<&'static Law>,
 }
 
 impl Together {
     /// One law for both.
     pub const fn same(law: &'static Law) -> Together {
-        Together { line: law, space: law }
+        Together { line: Some(law), space: Some(law) }
     }
 }
 

@@ -4,8 +4,9 @@
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
 //! Stability: as REF with the steeper of k and kρ/(1 − ρ). Test: conformance suite.
 
-use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi};
+use super::{ALONG, BETWEEN, Bound, ELASTIC_METHOD, Law, LawEntry, LawFns, PAIRS, Phi, by_potential};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{Real, Table};
 
 /// ATT in the catalog.
@@ -30,6 +31,7 @@ pub static KIND: Kind = Kind {
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"),
         PAIRS,
         ALONG,
+        ELASTIC_METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -47,14 +49,17 @@ finger = [[0, 0], [0.3, "8 mm"]]
     role: Role::Lia(&LAW),
 };
 
-crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z");
+crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z", METHOD = "method");
 
 /// The law of ATT.
-pub static LAW: Law = Law::of::<Att, 5, 0>("ATT");
+pub static LAW: Law = Law::of::<Att, 5, 0>("ATT").or(&[&STABLE], |p| by_potential(p, at::METHOD).then_some(&STABLE));
+/// Its force falls, so a tick with other such links at its masses may have several solutions, and the solver may find none.
+static STABLE: Law = potential::alone::<Att, 5, 0>("ATT stable", Law::of::<Att, 5, 0>("ATT"), None);
 
 /// The functions of its law over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
-    [(LAW.code, LawFns::of::<Att, 5, 0>())]
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 2] {
+    let law = LawFns::of::<Att, 5, 0>();
+    [(LAW.code, law), (STABLE.code, potential::alone_fns::<R, Att, 5, 0>(law))]
 }
 
 /// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
@@ -95,5 +100,40 @@ impl Phi<5, 0> for Att {
     }
     fn bound(&[k, _, _, fall, z]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k: k.max(fall), z, contact: true, ..Bound::default() }
+    }
+}
+
+impl Potential<5, 0> for Att {
+    fn energy<R: Real>(n: &Numbers<R>, tables: &[Table<R>], e: R) -> R {
+        Att::potential(n, &[], tables, e)
+    }
+    fn mean<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, s: R) -> [R; 2] {
+        let [k, tip, d, fall, _] = *n;
+        let elastic = [k, tip, d, fall, R::ZERO];
+        let force = |e: R| Att::force(&elastic, &mut [], tables, e, R::ZERO);
+        let (moved, half) = (s - a, R::of(0.5));
+        // the slope of a piece that holds both
+        let slope = |e: R| {
+            if e.abs() < tip {
+                k
+            } else if e.abs() < d {
+                -fall
+            } else {
+                R::ZERO
+            }
+        };
+        let piece = |e: R| (e.abs() < tip, e.abs() < d, e > R::ZERO || e.abs() < tip);
+        if piece(a) == piece(s) || moved.abs() <= R::of(1e-9) * tip {
+            return [half * (force(a) + force(s)), half * slope(s)];
+        }
+        let held = |e: R| Att::energy(n, tables, e);
+        let mean = (held(s) - held(a)) / moved;
+        [mean, (force(s) - mean) / moved]
+    }
+    fn viscosity<R: Real>(&[_, _, d, _, z]: &[R; 5], _: &[R; 0], _: &[Table<R>], e: R, _: R) -> R {
+        if e.abs() < d { z } else { R::ZERO }
+    }
+    fn most<R: Real>(&[k, tip, ..]: &Numbers<R>, _: &[Table<R>], _: R, _: R) -> R {
+        k * tip
     }
 }

@@ -59,8 +59,10 @@ pub static LAW: Law =
         ContactMethod::Stable => Some(&STABLE),
         ContactMethod::Stable3d => Some(&STABLE3D),
     });
-static STABLE: Law =
-    gradient::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable"), Together { line: &SHARED, space: &STABLE3D });
+static STABLE: Law = gradient::law::<Linear<f64>>(
+    Law::of::<But, 5, 0>("BUT stable"),
+    Together { line: Some(&SHARED), space: Some(&STABLE3D) },
+);
 static SHARED: Law = cluster::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
 

@@ -3,8 +3,12 @@
 //! Equation: F = k e + k3 e³ + (z/T) w. Parameters: k \[N/m\], k3 \[N/m³\] ≥ 0, z \[N s/m\]. Source: SMC 2019 (nlSpring3).
 //! Stability: the tangent T²(k + 3 k3 e²)/m must stay below about 1 (docs/numerics.md §3.4). Test: B03.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, linear_lost, linear_stored};
+use super::{
+    ALONG, BETWEEN, Bound, ELASTIC_METHOD, L0, Law, LawEntry, LawFns, PAIRS, Phi, SOFTEN, by_potential, linear_lost,
+    linear_stored,
+};
 use crate::kind::{Kind, Need, POSITIVE, Param, Role, Unit};
+use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{Real, Table};
 
 /// CUB in the catalog.
@@ -24,6 +28,7 @@ pub static KIND: Kind = Kind {
         PAIRS,
         ALONG,
         SOFTEN,
+        ELASTIC_METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -39,14 +44,21 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-crate::kind::positions!(KIND: K = "k", K3 = "k3", Z = "z");
+crate::kind::positions!(KIND: K = "k", K3 = "k3", Z = "z", METHOD = "method");
 
 /// The law of CUB.
-pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB");
+pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB").or(&[&STABLE], |p| by_potential(p, at::METHOD).then_some(&STABLE));
+static STABLE: Law = potential::alone::<Cub, 3, 0>("CUB stable", Law::of::<Cub, 3, 0>("CUB"), Some(&SHARED));
+static SHARED: Law = potential::shared::<Cub, 3, 0>("CUB stable, shared", Law::of::<Cub, 3, 0>("CUB"));
 
 /// The functions of its law over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
-    [(LAW.code, LawFns::of::<Cub, 3, 0>())]
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    let law = LawFns::of::<Cub, 3, 0>();
+    [
+        (LAW.code, law),
+        (STABLE.code, potential::alone_fns::<R, Cub, 3, 0>(law)),
+        (SHARED.code, potential::shared_fns::<R, Cub, 3, 0>(law)),
+    ]
 }
 
 /// F = k e + k3 e³ + (z/T) w
@@ -75,5 +87,18 @@ impl Phi<3, 0> for Cub {
     fn steepest(&[k, k3, z]: &[f64; 3], _: &[Table], [from, to]: [f64; 2]) -> [f64; 2] {
         let far = to.max(-from);
         [k + 3.0 * k3 * far * far, z]
+    }
+}
+
+impl Potential<3, 0> for Cub {
+    fn energy<R: Real>(&[k, k3, ..]: &Numbers<R>, _: &[Table<R>], e: R) -> R {
+        R::of(0.5) * e * e * (k + R::of(0.5) * k3 * e * e)
+    }
+    fn mean<R: Real>(&[k, k3, ..]: &Numbers<R>, _: &[Table<R>], a: R, s: R) -> [R; 2] {
+        let (sum, squares, half) = (a + s, a * a + s * s, R::of(0.5));
+        [half * sum * (k + half * k3 * squares), half * (k + k3 * (half * squares + sum * s))]
+    }
+    fn viscosity<R: Real>(&[_, _, z]: &[R; 3], _: &[R; 0], _: &[Table<R>], _: R, _: R) -> R {
+        z
     }
 }

@@ -62,8 +62,10 @@ pub static LAW: Law =
         ContactMethod::Stable => Some(&STABLE),
         ContactMethod::Stable3d => Some(&STABLE3D),
     });
-static STABLE: Law =
-    gradient::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable"), Together { line: &SHARED, space: &STABLE3D });
+static STABLE: Law = gradient::law::<Power<f64>>(
+    Law::of::<Hrz, 5, 0>("HRZ stable"),
+    Together { line: Some(&SHARED), space: Some(&STABLE3D) },
+);
 static SHARED: Law = cluster::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 

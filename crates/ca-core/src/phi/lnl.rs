@@ -5,10 +5,14 @@
 //! Stability: rule of thumb on the steepest segment that is reached; a friction table is passive where F has the sign of the speed.
 //! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
 
-use super::{ALONG, BETWEEN, Bound, L0, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, SOFTEN};
+use super::{
+    ALONG, BETWEEN, Bound, ELASTIC_METHOD, L0, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, SOFTEN, by_potential,
+};
 use crate::kind::{Kind, Need, Param, Role, Type, Unit};
-use crate::method::friction::Curve;
+use crate::method::friction::{self, Curve};
+use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{NONE, Real, Table};
+use crate::op::LoadFns;
 
 /// LNL in the catalog.
 pub static KIND: Kind = Kind {
@@ -36,6 +40,7 @@ pub static KIND: Kind = Kind {
         PAIRS,
         ALONG,
         SOFTEN,
+        ELASTIC_METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -53,26 +58,57 @@ out = { from = "bob", gain = 500 }
     role: Role::Lia(&LAW),
 };
 
-crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction");
+crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction", METHOD = "method");
 
-/// The law of LNL; with one table only it becomes one of the next two.
-pub static LAW: Law =
-    Law::of::<Lnl, 3, 0>("LNL").or(&[&SPRING, &FRICTION], |p| match (p[at::SPRING], p[at::FRICTION]) {
-        (_, ParamBinding::Absent) => Some(&SPRING),
-        (ParamBinding::Absent, _) => Some(&FRICTION),
-        _ => None,
-    });
+/// The law of LNL, and what it becomes with one table only or by the other method.
+pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(OTHERS, |p| {
+    let stable = by_potential(p, at::METHOD);
+    match (p[at::SPRING], p[at::FRICTION]) {
+        (_, ParamBinding::Absent) => Some(if stable { &SPRING_STABLE } else { &SPRING }),
+        (ParamBinding::Absent, _) => Some(if stable { &FRICTION_STABLE } else { &FRICTION }),
+        _ => stable.then_some(&STABLE),
+    }
+});
+/// All that it may become.
+static OTHERS: &[&Law] = &[&SPRING, &FRICTION, &STABLE, &SPRING_STABLE, &FRICTION_STABLE];
 /// A spring table alone.
 pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
 /// A friction table alone; BOW with `curve = "table"` runs as this.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
+static STABLE: Law = potential::alone::<Lnl, 3, 0>("LNL stable", RESISTING, Some(&SHARED));
+static SHARED: Law = potential::shared::<Lnl, 3, 0>("LNL stable, shared", RESISTING);
+/// Both tables; the friction only resists.
+const RESISTING: Law = {
+    let law = Law::of::<Lnl, 3, 0>("LNL");
+    let bound: fn(&[f64], &[Table]) -> Bound = |c, tables| {
+        let both: &[f64; 3] = c.first_chunk().unwrap_or(&[NONE; 3]);
+        Bound { active: TableSpring::bound(&[both[0]], tables).active, ..Lnl::bound(both, tables) }
+    };
+    Law { at_load: LoadFns { bound, ..law.at_load }, ..law }
+};
+static SPRING_STABLE: Law =
+    potential::alone::<TableSpring, 1, 0>("LNL spring stable", SPRING_LAW, Some(&SPRING_SHARED));
+static SPRING_SHARED: Law = potential::shared::<TableSpring, 1, 0>("LNL spring stable, shared", SPRING_LAW);
+const SPRING_LAW: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
+static FRICTION_STABLE: Law =
+    friction::alone::<TableFriction, 2, false>("LNL friction stable", FRICTION_LAW, &FRICTION_SHARED);
+static FRICTION_SHARED: Law = friction::together::<TableFriction, 2>("LNL friction stable, shared", FRICTION_LAW);
+const FRICTION_LAW: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 
 /// The functions of its laws over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 9] {
+    let (both, spring) = (LawFns::of::<Lnl, 3, 0>(), LawFns::of::<TableSpring, 1, 0>());
+    let friction = LawFns::of::<TableFriction, 2, 0>();
     [
-        (LAW.code, LawFns::of::<Lnl, 3, 0>()),
-        (SPRING.code, LawFns::of::<TableSpring, 1, 0>()),
-        (FRICTION.code, LawFns::of::<TableFriction, 2, 0>()),
+        (LAW.code, both),
+        (SPRING.code, spring),
+        (FRICTION.code, friction),
+        (STABLE.code, potential::alone_fns::<R, Lnl, 3, 0>(both)),
+        (SHARED.code, potential::shared_fns::<R, Lnl, 3, 0>(both)),
+        (SPRING_STABLE.code, potential::alone_fns::<R, TableSpring, 1, 0>(spring)),
+        (SPRING_SHARED.code, potential::shared_fns::<R, TableSpring, 1, 0>(spring)),
+        (FRICTION_STABLE.code, friction::alone_fns::<R, TableFriction, 2, false>(friction)),
+        (FRICTION_SHARED.code, friction::together_fns::<R, TableFriction, 2>(friction)),
     ]
 }
 
@@ -163,5 +199,35 @@ impl Phi<3, 0> for Lnl {
     fn steepest(&[a, b, fs]: &[f64; 3], tables: &[Table], between: [f64; 2]) -> [f64; 2] {
         let [k, _] = TableSpring::steepest(&[a], tables, between);
         [k, TableFriction::bound(&[b, fs], tables).z]
+    }
+}
+
+impl Potential<1, 0> for TableSpring {
+    fn energy<R: Real>(&[n, ..]: &Numbers<R>, tables: &[Table<R>], e: R) -> R {
+        TableSpring::potential(&[n], &[], tables, e)
+    }
+    fn mean<R: Real>(&[n, ..]: &Numbers<R>, tables: &[Table<R>], a: R, s: R) -> [R; 2] {
+        tables.get(n.wide() as usize).map_or([R::ZERO; 2], |t| t.mean(a, s))
+    }
+    fn viscosity<R: Real>(_: &[R; 1], _: &[R; 0], _: &[Table<R>], _: R, _: R) -> R {
+        R::ZERO
+    }
+    fn most<R: Real>(&[n, ..]: &Numbers<R>, tables: &[Table<R>], _: R, _: R) -> R {
+        tables.get(n.wide() as usize).map_or(R::ZERO, |t| R::of(t.most()))
+    }
+}
+
+impl Potential<3, 0> for Lnl {
+    fn energy<R: Real>(n: &Numbers<R>, tables: &[Table<R>], e: R) -> R {
+        TableSpring::energy(n, tables, e)
+    }
+    fn mean<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, s: R) -> [R; 2] {
+        TableSpring::mean(n, tables, a, s)
+    }
+    fn viscosity<R: Real>(&[_, friction, fs]: &[R; 3], _: &[R; 0], tables: &[Table<R>], _: R, w: R) -> R {
+        TableFriction::chord(&[friction, fs], tables, w).max(R::ZERO)
+    }
+    fn most<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, to: R) -> R {
+        TableSpring::most(n, tables, a, to)
     }
 }

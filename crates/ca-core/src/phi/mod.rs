@@ -74,6 +74,16 @@ crate::choice::choice! {
     }
 }
 crate::choice::choice! {
+    /// The method of a law that acts on both sides.
+    pub enum ElasticMethod {
+        /// explicit
+        Ca = "ca",
+        /// by a difference of the potential
+        Stable = "stable",
+    }
+}
+
+crate::choice::choice! {
     /// On which side of its threshold a one-sided spring acts.
     pub enum Sense {
         /// below: keeps apart
@@ -110,6 +120,19 @@ pub const METHOD: Param = Param::new(
     "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
      space, which stable takes there",
 );
+
+/// Parameter [`ElasticMethod`].
+pub const ELASTIC_METHOD: Param = Param::new(
+    "method",
+    Type::Choice(ElasticMethod::WORDS),
+    Need::Default(0.0),
+    "ca: explicit, as in the field; stable: keeps energy at any stiffness, on a line or with `along`",
+);
+
+/// True where the parameter `at` says that the law runs by its potential.
+fn by_potential(p: &[ParamBinding], at: usize) -> bool {
+    p.get(at).and_then(|p| p.number()).is_some_and(|word| ElasticMethod::of(word) == ElasticMethod::Stable)
+}
 
 /// Parameter [`Pairs`].
 pub const PAIRS: Param = Param::new(

@@ -5,8 +5,11 @@
 //! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
 //! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
-use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, Phi, linear_lost, linear_stored};
+use super::{
+    ALONG, BETWEEN, Bound, ELASTIC_METHOD, Law, LawEntry, LawFns, PAIRS, Phi, by_potential, linear_lost, linear_stored,
+};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{NONE, Real, Table};
 
 crate::choice::choice! {
@@ -55,6 +58,7 @@ pub static KIND: Kind = Kind {
         Param::new("engaged", Type::Flag, Need::Default(1.0), "whether it holds at load, where its ends are that near"),
         PAIRS,
         ALONG,
+        ELASTIC_METHOD,
     ],
     one_of: &[],
     example: r#"
@@ -72,14 +76,21 @@ plectrum = [[0, 0], [0.3, "3 mm"], [0.6, "3 mm"], [1, "-3 mm"]]
     role: Role::Lia(&LAW),
 };
 
-crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED = "engaged");
+crate::kind::positions!(KIND: K = "k", Z = "z", D = "d", SIDE = "side", ENGAGED = "engaged", METHOD = "method");
 
 /// The law of PLK.
-pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK");
+pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK").or(&[&STABLE], |p| by_potential(p, at::METHOD).then_some(&STABLE));
+static STABLE: Law = potential::alone::<Plk, 5, 4>("PLK stable", Law::of::<Plk, 5, 3>("PLK"), Some(&SHARED));
+static SHARED: Law = potential::shared::<Plk, 5, 4>("PLK stable, shared", Law::of::<Plk, 5, 3>("PLK"));
 
 /// The functions of its law over `R`.
-pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
-    [(LAW.code, LawFns::of::<Plk, 5, 3>())]
+pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
+    let law = LawFns::of::<Plk, 5, 3>();
+    [
+        (LAW.code, law),
+        (STABLE.code, potential::alone_fns::<R, Plk, 5, 4>(law)),
+        (SHARED.code, potential::shared_fns::<R, Plk, 5, 4>(law)),
+    ]
 }
 
 /// Coefficients k, z/T, d, sign of the side, 1 where it holds at load; memory: 1 while engaged, the last elongation, energy given up at the last tick.
@@ -126,5 +137,69 @@ impl Phi<5, 3> for Plk {
     }
     fn bound(&[k, z, ..]: &[f64; 5], _: &[Table]) -> Bound {
         Bound { k, z, contact: true, ..Bound::default() }
+    }
+}
+
+/// Memory: 1 while engaged, the last elongation, and the elongations between which it is slack.
+///
+/// It takes hold between two ticks. Energy is made unless it holds nothing at both, so their elongations bound a slack, in which its force
+/// is 0. The slack ends once the motion has left it.
+impl Potential<5, 4> for Plk {
+    fn at_load<R: Real>(c: &[R; 5], e: R) -> [R; 4] {
+        let [engaged, last, _] = Plk::start(c, e);
+        [engaged, last, R::ZERO, R::ZERO]
+    }
+    fn begin<R: Real>(c: &[R; 5], mem: &mut [R; 4], e: R, w: R) -> R {
+        let held = Plk::numbers(c, mem);
+        let before = e - w;
+        let mut hysteresis = [mem[0], mem[1], R::ZERO];
+        Plk::force(c, &mut hysteresis, &[], e, w);
+        let [engaged, last, _] = hysteresis;
+        let [held_before, low, high] = [mem[0], mem[2], mem[3]];
+        let [from, to] = [before.min(e), before.max(e)];
+        let slack = match () {
+            () if held_before == R::ZERO => [from, to],
+            () if from >= high => [high; 2],
+            () if to <= low => [low; 2],
+            () => [low, high],
+        };
+        *mem = [engaged, last, slack[0], slack[1]];
+        let gives_up = held_before != R::ZERO && engaged == R::ZERO;
+        if gives_up { R::of(0.5) * (Plk::energy(&held, &[], before) + Plk::energy(&held, &[], e)) } else { R::ZERO }
+    }
+    fn numbers<R: Real>(&[k, ..]: &[R; 5], &[engaged, _, low, high]: &[R; 4]) -> Numbers<R> {
+        [if engaged == R::ZERO { R::ZERO } else { k }, low, high, R::ZERO, R::ZERO]
+    }
+    fn energy<R: Real>(&[k, low, high, ..]: &Numbers<R>, _: &[Table<R>], e: R) -> R {
+        let out = beyond(low, high, e);
+        R::of(0.5) * k * out * out
+    }
+    fn mean<R: Real>(&[k, low, high, ..]: &Numbers<R>, _: &[Table<R>], a: R, s: R) -> [R; 2] {
+        let [from, to] = [a, s].map(|e| beyond(low, high, e));
+        let half = R::of(0.5) * k;
+        let within = |e: R| e > low && e < high;
+        // without slack, or on one side of it
+        if low == high || (from > R::ZERO && to > R::ZERO) || (from < R::ZERO && to < R::ZERO) {
+            return [half * (from + to), half];
+        }
+        if s == a || within(a) && within(s) {
+            return [R::ZERO; 2];
+        }
+        let mean = half * (to * to - from * from) / (s - a);
+        [mean, ((k * to - mean) / (s - a)).max(R::ZERO)]
+    }
+    fn viscosity<R: Real>(&[_, z, ..]: &[R; 5], &[engaged, ..]: &[R; 4], _: &[Table<R>], _: R, _: R) -> R {
+        if engaged == R::ZERO { R::ZERO } else { z }
+    }
+}
+
+/// The part of an elongation beyond two bounds \[m\].
+fn beyond<R: Real>(low: R, high: R, e: R) -> R {
+    if e > high {
+        e - high
+    } else if e < low {
+        e - low
+    } else {
+        R::ZERO
     }
 }

@@ -1,23 +1,25 @@
-//! Contacts and friction that are solved together in a tick, as data; [`crate::method::quadratised`] fills and empties
-//! them, [`crate::method::friction`] adds to them.
+//! Links that are solved together in a tick, as data: the methods of `method` gather them, and `method/together.rs` solves.
 //!
 //! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
 //! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
 
-use crate::numeric::Real;
+use crate::numeric::{Real, Table};
 use alloc::vec::Vec;
 
-/// The push of a contact that is solved together with others, as a function of the motion to come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Curve {
-    /// linearly, by its ψ (`method/quadratised.rs`)
-    #[default]
-    Quadratised,
-    /// the discrete gradient of a linear spring (`method/cluster.rs`)
-    Linear,
-    /// the discrete gradient of a power law
-    Power,
+/// The push of a contact as a curve over the motion to come (`method/cluster.rs`).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Curve<R: Real> {
+    /// the push \[N\] and how it rises \[N/m\], without viscosity
+    pub push: AtChange<R, [R; 2]>,
+    /// the potential before the tick less that after it \[J\]
+    pub released: AtChange<R, R>,
 }
+
+/// A function of the coefficients of a law, the tables, the penetration before the tick \[m\] and its change over two ticks \[m\].
+pub(crate) type AtChange<R, T> = fn(&[R; COEFS], &[Table<R>], R, R) -> T;
+
+/// Coefficients of a law whose push is a curve.
+pub(crate) const COEFS: usize = 5;
 
 /// The part of a contact in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +34,7 @@ pub(crate) enum Part {
 }
 
 /// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ActiveContact<R: Real = f64> {
     /// first slot of either end
     pub ends: [u32; 2],
@@ -64,10 +66,10 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub diag: R,
     /// push beyond `bias` \[N\]: the unknown
     pub y: R,
-    /// how its push depends on the motion to come
-    pub curve: Curve,
+    /// its push where that is not a straight line over the motion to come; none of what goes by ψ and of friction
+    pub curve: Option<&'static Curve<R>>,
     /// coefficients of its law, of a curve
-    pub coef: [R; 5],
+    pub coef: [R; COEFS],
     /// penetration before the tick \[m\], of a curve
     pub from: R,
     /// the change of penetration over two ticks \[m\]: assumed, then found
@@ -80,6 +82,8 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub part: Part,
     /// push, change of penetration and `y` as found, whose derivatives take a step more
     pub found: [R; 3],
+    /// where a step began: the change of penetration, the push, and by how much the curve is above it there
+    pub last: [R; 3],
     /// residual \[m\]
     pub r: R,
     /// direction of search \[N\]
@@ -89,7 +93,7 @@ pub(crate) struct ActiveContact<R: Real = f64> {
 }
 
 /// The contacts of this tick.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct ActiveContacts<R: Real = f64> {
     /// how many act so far
     pub(crate) n: usize,
@@ -99,6 +103,13 @@ pub struct ActiveContacts<R: Real = f64> {
     pub unsolved: u64,
     /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
     pub(crate) push: Vec<R>,
+}
+
+/// The list is room for numbers of one tick, and is not compared.
+impl<R: Real> PartialEq for ActiveContacts<R> {
+    fn eq(&self, other: &ActiveContacts<R>) -> bool {
+        (self.n, self.unsolved) == (other.n, other.unsolved)
+    }
 }
 
 impl<R: Real> ActiveContacts<R> {

@@ -199,9 +199,9 @@ fn functions_of_every_law_are_found_by_its_code() {
                 check(law);
             }
             while let SolveStage::Single(other) = law.stage {
-                check(other.line);
-                law = other.space;
-                check(law);
+                [other.line, other.space].into_iter().flatten().for_each(&mut check);
+                let Some(shared) = other.space else { break };
+                law = shared;
             }
         }
     }

@@ -220,6 +220,34 @@ pub const METHODS: &[(&str, &str)] = &[
         "a body in space with softened springs and a floor",
         "[air]\ndim = 3\n[air.SOL]\nnail = { x = [0, 0, 0] }\nfloor = { x = [0, 0, '-30 mm'] }\n[air.MAS]\nball = { m = '5 g', x = ['12 mm', '16 mm', '1 mm'], v = ['0.5 m/s', '-0.2 m/s', '-0.3 m/s'] }\n[air.CUB]\nedge = { between = ['air.nail', 'air.ball'], k = '2 kN/m', k3 = '1e7 N/m^3', soften = '3 mm', z = '0.1 N s/m' }\n[air.BUT]\nstop = { between = ['air.floor', 'air.ball'], k = '3 kN/m', d = '33 mm', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'air.ball', along = [1, 0.5, 0.2] }\n",
     ),
+    (
+        "CUB stable",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\n[CUB]\nl = { between = ['wall', 'bob'], k = '15 kN/m', k3 = '1e10 N/m^3', z = '30 mN s/m', method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "POW stable",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\n[POW]\nl = { between = ['wall', 'bob'], k = '2 kN/m', q = '3e6 N/m^1.75', p = 1.75, z = '30 mN s/m', method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "ATT stable",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\n[ATT]\nl = { between = ['wall', 'bob'], k = '2 kN/m', d = '3 mm', rho = 0.3, z = '30 mN s/m', method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "PLK stable",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\n[PLK]\nl = { between = ['wall', 'bob'], k = '2 kN/m', d = '4 mm', z = '30 mN s/m', method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "LNL stable",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\n[LNL]\nl = { between = ['wall', 'bob'], spring = [['-2 mm', '-9 N'], ['-0.5 mm', '-1 N'], ['0.5 mm', '1 N'], ['2 mm', '9 N']], friction = [['-3 m/s', '-0.4 N'], ['3 m/s', '0.4 N']], method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "CUB, POW and PLK at one mass",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\nbead = { m = '2 g', v = '-0.3 m/s' }\n[CUB]\nl = { between = ['wall', 'bob'], k = '15 kN/m', k3 = '1e10 N/m^3', method = 'stable' }\n[POW]\nm = { between = ['bob', 'bead'], k = '2 kN/m', q = '3e6 N/m^1.75', p = 1.75, method = 'stable' }\n[PLK]\nn = { between = ['wall', 'bead'], k = '2 kN/m', d = '9 mm', z = '30 mN s/m', method = 'stable' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
+    (
+        "CUB, POW, PLK and BOW at one mass",
+        "[SOL]\nwall = {}\n[MAS]\nbob = { m = '1 g', dx0 = '1.3 mm', v = '0.4 m/s' }\nbow = { m = '1 kg', v = '0.2 m/s' }\nbead = { m = '2 g', v = '-0.3 m/s' }\n[CUB]\nl = { between = ['wall', 'bob'], k = '15 kN/m', k3 = '1e10 N/m^3', method = 'stable' }\n[POW]\nm = { between = ['bob', 'bead'], k = '2 kN/m', q = '3e6 N/m^1.75', p = 1.75, method = 'stable' }\n[PLK]\nn = { between = ['wall', 'bead'], k = '2 kN/m', d = '9 mm', z = '30 mN s/m', method = 'stable' }\n[BOW]\nrub = { between = ['bob', 'bow'], curve = 'piecewise', f = '0.3 N', v0 = '50 mm/s', v1 = '3 m/s', fd = '0.1 N', method = 'secant' }\n[SOX]\nout = { from = 'bob' }\n",
+    ),
 ];
 
 #[test]

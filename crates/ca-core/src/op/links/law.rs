@@ -77,7 +77,7 @@ pub fn family(law: &'static Law) -> Vec<&'static Law> {
     let mut next = 0;
     while let Some(law) = all.get(next).copied() {
         let others = if let SolveStage::Single(others) = law.stage { Some([others.line, others.space]) } else { None };
-        for variant in law.cheaper.variants.iter().copied().chain(others.into_iter().flatten()) {
+        for variant in law.cheaper.variants.iter().copied().chain(others.into_iter().flatten().flatten()) {
             if !all.iter().any(|known| core::ptr::eq(*known, variant)) {
                 all.push(variant);
             }

@@ -5,7 +5,7 @@
 
 use crate::frame::VERSION;
 
-/// Where shared memory has its names.
+/// The folder in which shared memory has its names.
 pub(in crate::host) const SHM: &str = "/dev/shm";
 /// Release of iceoryx2 this build speaks.
 pub(in crate::host) const IOX: &str = "0.10.0";

@@ -1,0 +1,209 @@
+//! Discrete gradient of a law that acts on both sides: springs that harden, tables, attractors and plectra (docs/numerics.md §3.7).
+//!
+//! The force is the slope of the potential between the tick before and the tick after, as in [`super::gradient`]. With a the elongation
+//! before, s the one after, e* that after the tick without this link and c the mobility of both ends:
+//! ```text
+//! F = (U(s) − U(a)) / (s − a) + (z/2)(s − a)        s = e* − c F
+//! ```
+//! The work F(s − a)/2 is half of U(s) − U(a) plus the heat (z/4)(s − a)², so with (U(e) + U(e₊))/2 as the energy held the ledgers balance
+//! for any law and stiffness. A force that rises with e has one root. A force that falls may have several, and each keeps the balance. The root lies within c·|F| of e*, and [`super::newton`] stays there. Links that share masses are solved by
+//! [`super::cluster`].
+
+use super::newton::root;
+use super::system::{enter, reach};
+use super::{free_motion, mobility};
+use crate::numeric::{Real, Table};
+use crate::op::account::numbers;
+use crate::op::layout::{Layout, MeasureKind};
+use crate::op::links::measure::{Along, Line, Measure, Radial};
+use crate::op::{Cheaper, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
+use crate::state::State;
+use crate::state::active_contacts::{ActiveContact, COEFS, Curve};
+
+/// The numbers of a potential.
+pub type Numbers<R> = [R; COEFS];
+
+/// A law as its potential, with `C` coefficients and `M` numbers of memory per link.
+pub trait Potential<const C: usize, const M: usize>: 'static {
+    /// Memory at load, at elongation `e`.
+    fn at_load<R: Real>(_c: &[R; C], _e: R) -> [R; M] {
+        [R::ZERO; M]
+    }
+
+    /// Changes the memory at the beginning of a tick, at elongation `e` that changed by `w`. Returns the energy that the link
+    /// gives up by that \[J\].
+    fn begin<R: Real>(_c: &[R; C], _mem: &mut [R; M], _e: R, _w: R) -> R {
+        R::ZERO
+    }
+
+    /// The numbers of the potential of a link.
+    fn numbers<R: Real>(c: &[R; C], _mem: &[R; M]) -> Numbers<R> {
+        core::array::from_fn(|k| c.get(k).copied().unwrap_or(R::ZERO))
+    }
+
+    /// Potential energy \[J\] at an elongation.
+    fn energy<R: Real>(n: &Numbers<R>, tables: &[Table<R>], e: R) -> R;
+
+    /// The mean force \[N\] while the elongation goes from `a` to `s`, (U(s) − U(a)) / (s − a), and how it rises with `s` \[N/m\].
+    fn mean<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, s: R) -> [R; 2];
+
+    /// Viscosity \[N per m/tick\] ≥ 0 at the elongation `e` that changed by `w`.
+    fn viscosity<R: Real>(c: &[R; C], mem: &[R; M], tables: &[Table<R>], e: R, w: R) -> R;
+
+    /// No mean force from `a` to any `s` between `to` and the root is larger \[N\]. Of a force that rises, that at `to`.
+    fn most<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, to: R) -> R {
+        Self::mean(n, tables, a, to)[0].abs()
+    }
+}
+
+/// The law by its potential; where it shares a mass, `shared` runs. Memory: of the potential, and the heat of the tick \[J\].
+pub const fn alone<P: Potential<C, M>, const C: usize, const M: usize>(
+    code: &'static str,
+    law: Law,
+    shared: Option<&'static Law>,
+) -> Law {
+    Law {
+        code,
+        mem: M + 1,
+        contact: false,
+        stage: SolveStage::Single(Together { line: shared, space: None }),
+        cheaper: Cheaper::NONE,
+        fns: alone_fns::<f64, P, C, M>(law.fns),
+        ..law
+    }
+}
+
+/// Its functions.
+pub const fn alone_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(law: LawFns<R>) -> LawFns<R> {
+    LawFns {
+        start: |c, [e, _], mem| {
+            mem.fill(R::ZERO);
+            mem[..M].copy_from_slice(&P::at_load(&numbers(c), e));
+        },
+        energies: Energies::kept(
+            |c, mem, tables, before, after| {
+                let n = P::numbers(&numbers(c), &numbers(mem));
+                R::of(0.5) * (P::energy(&n, tables, before) + P::energy(&n, tables, after))
+            },
+            |_, mem, _, _| mem[M],
+        ),
+        kernel: |_| pull::<R, P, C, M>,
+        ..law
+    }
+}
+
+/// The law by its potential, solved together with all that shares masses. Memory as [`alone`].
+pub const fn shared<P: Potential<C, M>, const C: usize, const M: usize>(code: &'static str, law: Law) -> Law {
+    Law {
+        stage: SolveStage::Coupled(None),
+        fns: shared_fns::<f64, P, C, M>(law.fns),
+        ..alone::<P, C, M>(code, law, None)
+    }
+}
+
+/// Its functions.
+pub const fn shared_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(law: LawFns<R>) -> LawFns<R> {
+    LawFns { kernel: kernel::<R, P, C, M>, ..alone_fns::<R, P, C, M>(law) }
+}
+
+fn kernel<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
+    match form.measure {
+        MeasureKind::Line => gather::<R, P, Line, C, M>,
+        MeasureKind::Along => gather::<R, P, Along, C, M>,
+        MeasureKind::Radial => gather::<R, P, Radial, C, M>,
+    }
+}
+
+/// Link `i` of an op at the beginning of a tick.
+struct Begun<R: Real, const C: usize, const M: usize> {
+    c: [R; C],
+    mem: [R; M],
+    numbers: Numbers<R>,
+    given_up: R,
+}
+
+impl<R: Real, const C: usize, const M: usize> Begun<R, C, M> {
+    fn of<P: Potential<C, M>>(op: &Op<R>, s: &State<R>, i: usize, e: R, w: R) -> Begun<R, C, M> {
+        let c = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
+        let mut mem = numbers(&s.links.mem[op.mem + (M + 1) * i..]);
+        let given_up = P::begin(&c, &mut mem, e, w);
+        Begun { c, mem, numbers: P::numbers(&c, &mem), given_up }
+    }
+
+    fn keep(&self, op: &Op<R>, s: &mut State<R>, i: usize, heat: R) {
+        let at = op.mem + (M + 1) * i;
+        s.links.mem[at..at + M].copy_from_slice(&self.mem);
+        s.links.mem[at + M] = self.given_up + heat;
+    }
+}
+
+/// Applies the links of `op`, one by one.
+fn pull<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    let tables = &layout.tables;
+    let [one, half] = [1.0, 0.5].map(R::of);
+    for i in 0..op.n {
+        let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
+        let (e, w) = (s.x[q] - s.x[p] + layout.links.e0[op.first + i], s.d[q] - s.d[p]);
+        let link = Begun::<R, C, M>::of::<P>(op, s, i, e, w);
+        let a = e - w;
+        let free = e + (free_motion(layout, s, q) - free_motion(layout, s, p));
+        let c = mobility(layout, s, p) + mobility(layout, s, q);
+        let z = P::viscosity(&link.c, &link.mem, tables, e, w);
+        let beta = half * c * z;
+        let (goal, h) = ((free + beta * a) / (one + beta), c / (one + beta));
+        let most = h * P::most(&link.numbers, tables, a, goal);
+        let (low, high) = (goal - most, goal + most);
+        let to = root((e + w).max(low).min(high), [low, high], a.abs().max(e.abs()), |s| {
+            let [force, rise] = P::mean(&link.numbers, tables, a, s);
+            (s - goal + h * force, one + h * rise)
+        });
+        let [mean, rise] = P::mean(&link.numbers, tables, a, to);
+        // of a stiff link the place has more digits than the force at it
+        let elastic = if h * rise > one { (goal - to) / h } else { mean };
+        let moved = (free - a - c * elastic) / (one + beta);
+        let force = elastic + half * z * moved;
+        s.f[p] += force;
+        s.f[q] -= force;
+        link.keep(op, s, i, half * half * z * moved * moved);
+        if op.form.tap {
+            s.links.tap[op.tap + i] = force;
+        }
+    }
+}
+
+/// Collects the links of `op`: the penetration of one is its elongation with the other sign.
+fn gather<R: Real, P: Potential<C, M>, G: Measure, const C: usize, const M: usize>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &mut State<R>,
+) {
+    for i in 0..op.n {
+        let ends = layout.links.ends[op.first + i].map(|m| m as usize);
+        let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
+        let measured = G::measure(&s.x, &s.d, ends, &at);
+        let (e, w) = (measured.e + layout.links.e0[op.first + i], measured.w);
+        let link = Begun::<R, C, M>::of::<P>(op, s, i, e, w);
+        let z = P::viscosity(&link.c, &link.mem, &layout.tables, e, w);
+        link.keep(op, s, i, R::ZERO);
+        if op.form.tap {
+            s.links.tap[op.tap + i] = R::ZERO;
+        }
+        let to = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());
+        let (curve, coef) = (Some(OfPotential::<R, P, C, M>::CURVE), link.numbers);
+        let mem = op.mem + (M + 1) * i + M;
+        enter(s, ActiveContact { mem, curve, coef, from: w - e, z, at: R::of(-2.0) * w, ..to });
+    }
+}
+
+/// The curve of a potential.
+struct OfPotential<R, P, const C: usize, const M: usize>(core::marker::PhantomData<(R, P)>);
+
+impl<R: Real, P: Potential<C, M>, const C: usize, const M: usize> OfPotential<R, P, C, M> {
+    const CURVE: &'static Curve<R> = &Curve {
+        push: |n, tables, from, change| {
+            let [force, rise] = P::mean(n, tables, -from, -(from + change));
+            [-force, rise]
+        },
+        released: |n, tables, from, change| P::energy(n, tables, -from) - P::energy(n, tables, -(from + change)),
+    };
+}

@@ -1,0 +1,149 @@
+//! The linear system of contacts that are solved together, and what gathers it.
+//!
+//! With G the gradients of the active penetrations, W = T² G M⁻¹ Gᵀ their mobilities, s* the change of penetration over two ticks by
+//! all other forces, b the push without motion and R its rise with motion, the push is N = b + y with
+//! ```text
+//! (W + R⁻¹) y = s* − W b
+//! ```
+//! Symmetric and positive definite, the right side within the range of W, and what W cannot tell apart (a mass held
+//! from more sides than it has axes) stays zero in y. Solved by conjugate gradients scaled by the diagonal: nothing is
+//! stored but one vector over places, contacts that share nothing are done in one step, and no number of them is too
+//! large. A factorisation was the alternative; it needs room that grows with the square.
+
+use super::{free_motion, mobility, modes};
+use crate::numeric::{Precision, Real};
+use crate::op::Op;
+use crate::op::layout::Layout;
+use crate::op::links::measure::Measure;
+use crate::state::State;
+use crate::state::active_contacts::ActiveContact;
+use nalgebra::Vector3;
+
+/// The residual is brought below this part of what it was, squared.
+fn exact<R: Real>() -> R {
+    R::of(if matches!(R::PRECISION, Precision::Single) { 3e-13 } else { 1e-30 })
+}
+
+/// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
+pub(super) fn nothing<R: Real>() -> R {
+    R::of(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
+}
+
+/// Link `i` of `op` as one that may act, with `u` the gradient of its elongation: its motion by all other forces, and its mobility
+/// \[m/N\] on the diagonal.
+pub(super) fn reach<R: Real, G: Measure>(
+    op: &Op<R>,
+    layout: &Layout<R>,
+    s: &State<R>,
+    i: usize,
+    side: R,
+    u: Vector3<R>,
+) -> ActiveContact<R> {
+    let g: [R; 3] = (u * -side).into();
+    let (ends, axes) = (layout.links.ends[op.first + i], if G::SPACE { 3 } else { 1 });
+    let (mut free, mut w) = (R::ZERO, R::ZERO);
+    for (k, g) in g[..axes].iter().enumerate() {
+        let [a, b] = ends.map(|m| m as usize + k);
+        free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
+        w += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
+    }
+    let tap = op.form.tap.then_some(op.tap + i);
+    ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, own: w, ..ActiveContact::default() }
+}
+
+/// Adds a link to the list of this tick, if it has stiffness or viscosity.
+pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
+    let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
+    let touches = &mut s.links.touches;
+    let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
+    *t = ActiveContact { stiff, bias: link.gamma * link.psi, diag: link.diag + R::of(1.0) / stiff, ..link };
+    touches.n += 1;
+}
+
+/// Adds a link whose push is a curve.
+pub(super) fn enter<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
+    let touches = &mut s.links.touches;
+    let Some(t) = touches.list.get_mut(touches.n) else { return };
+    *t = link;
+    touches.n += 1;
+}
+
+/// The response to pushes: the mobility of each place, and with `MODES` the coupling of masses that go by their modes.
+pub(super) struct Response<'a, R: Real, const MODES: bool> {
+    pub(super) layout: &'a Layout<R>,
+    pub(super) mobility: &'a [R],
+    pub(super) push: &'a mut [R],
+    pub(super) tap: &'a mut [R],
+}
+
+/// Sets `q` of each contact to W p.
+pub(super) fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
+    let Response { layout, mobility, push, tap } = to;
+    let places = |t: &ActiveContact<R>| {
+        let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
+        (0..n).map(move |k| (a + k, b + k, k))
+    };
+    for t in &*list {
+        for (a, b, k) in places(t) {
+            push[a] -= t.g[k] * t.p;
+            push[b] += t.g[k] * t.p;
+        }
+    }
+    if MODES {
+        modes::couple(layout, push, tap);
+    }
+    for t in &mut *list {
+        t.q = places(t).map(|(a, b, k)| t.g[k] * (mobility[b] * push[b] - mobility[a] * push[a])).sum();
+    }
+    for t in &*list {
+        for (a, b, _) in places(t) {
+            (push[a], push[b]) = (R::ZERO, R::ZERO);
+        }
+    }
+    if MODES {
+        modes::clear(layout, push);
+    }
+}
+
+/// Solves for `y` of the first `acting` of the links listed; the others push by their bias.
+pub(super) fn conjugate<R: Real, const MODES: bool>(
+    list: &mut [ActiveContact<R>],
+    acting: usize,
+    to: &mut Response<R, MODES>,
+) {
+    for t in &mut *list {
+        t.p = t.bias;
+    }
+    respond(list, to);
+    let list = &mut list[..acting];
+    let mut rho = R::ZERO;
+    for t in &mut *list {
+        (t.y, t.r) = (R::ZERO, t.free - t.q);
+        t.p = t.r / t.diag;
+        rho += t.r * t.p;
+    }
+    let goal = (exact::<R>() * rho).max(nothing());
+    // in exact arithmetic as many steps as contacts; rounding may ask for more
+    for _ in 0..10 * list.len() + 10 {
+        // what is not finite is not for here to find out
+        if rho.wide().is_nan() || rho <= goal {
+            break;
+        }
+        respond(list, to);
+        let mut along = R::ZERO;
+        for t in &mut *list {
+            t.q += t.p / t.stiff;
+            along += t.p * t.q;
+        }
+        let (step, before) = (rho / along, rho);
+        rho = R::ZERO;
+        for t in &mut *list {
+            t.y += step * t.p;
+            t.r -= step * t.q;
+            rho += t.r * t.r / t.diag;
+        }
+        for t in &mut *list {
+            t.p = t.r / t.diag + rho / before * t.p;
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The pass that solves for all links gathered in a tick and applies their pushes.
+
+use super::system::{Response, respond};
+use super::{cluster, quadratised};
+use crate::numeric::Real;
+use crate::op::Op;
+use crate::op::layout::Layout;
+use crate::state::State;
+use crate::state::active_contacts::{ActiveContact, ActiveContacts, Part};
+
+/// Computes the pushes of all links gathered and applies them; `MODES` where several act at masses of one group that goes by its
+/// modes.
+pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+    let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
+    let all = &mut list[..core::mem::take(n)];
+    if all.iter().all(|t| t.part == Part::Waits) {
+        return;
+    }
+    let mobility = &s.coef[2 * layout.counts.n_mat..];
+    let mut to = Response::<R, MODES> { layout, mobility, push, tap: &mut s.links.tap };
+    let acting = if all.iter().any(|t| t.curve.is_some()) {
+        *unsolved += u64::from(!cluster::newton(all, &mut to));
+        gathered(all, |t| t.part != Part::LeftOut)
+    } else {
+        quadratised::pushes(all, &mut to)
+    };
+    let (acting, left_out) = all.split_at_mut(acting);
+    for t in &mut *acting {
+        if t.curve.is_some() {
+            s.links.mem[t.mem] = cluster::heat(t, &layout.tables);
+        } else {
+            quadratised::keep(t, &mut s.links.mem);
+        }
+        apply(t, &mut s.f, &mut s.links.tap);
+    }
+    if left_out.is_empty() {
+        return;
+    }
+    for t in &mut *left_out {
+        t.p = R::ZERO;
+    }
+    let left_out = acting.len()..;
+    respond(all, &mut Response::<R, MODES> { layout, mobility, push, tap: &mut s.links.tap });
+    for t in &all[left_out] {
+        quadratised::follow(t, &mut s.links.mem);
+    }
+}
+
+/// Brings the links that `are` so to the front, and counts them.
+pub(super) fn gathered<R: Real>(all: &mut [ActiveContact<R>], are: impl Fn(&ActiveContact<R>) -> bool) -> usize {
+    let mut n = 0;
+    for i in 0..all.len() {
+        if are(&all[i]) {
+            all.swap(i, n);
+            n += 1;
+        }
+    }
+    n
+}
+
+/// Applies the push of a link to its ends.
+fn apply<R: Real>(t: &ActiveContact<R>, f: &mut [R], taps: &mut [R]) {
+    for k in 0..t.axes {
+        let [a, b] = t.ends.map(|m| m as usize + k);
+        f[a] += t.g[k] * t.p;
+        f[b] -= t.g[k] * t.p;
+    }
+    if let Some(tap) = t.tap {
+        taps[tap] = -t.side * t.p;
+    }
+}
