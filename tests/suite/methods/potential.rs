@@ -161,6 +161,45 @@ fn a_plectrum_lets_go_once_per_passage_and_loses_what_it_held() {
     }
 }
 
+/// Tables with kinks, between which Newton's steps alone go to and fro for ever, and an attractor with a steep fall.
+#[test]
+fn kinks_are_crossed_without_energy() {
+    let tables =
+        [("30", "[[-1e-3, -100], [0, 0], [1e-4, 1e4]]"), ("10", "[[-1.2e-3, -1e4], [-7e-4, -1e4], [-2e-4, 5e4]]")];
+    for (v, table) in tables {
+        let text = format!(
+            "[SOL]\nw = {{}}\n[MAS]\na = {{ m = 1e-3, v = {v} }}\n[LNL]\nl = {{ between = [\"w\", \"a\"], spring = {table}, \
+             method = \"stable\" }}\n[SOX]\no = {{ from = \"a\" }}\n"
+        );
+        let s = only_falls(&audited(&text), 20_000, 1e-11, &text, |_| {});
+        assert!(made(&s) <= 1e-11, "made {:e}\n{text}", made(&s));
+    }
+    let text = "[ENX]\nw = {}\n[MAS]\na = { m = 1e-3, v = 0.0992003 }\n[ATT]\nl = { between = [\"w\", \"a\"], k = 3.70348e7, \
+                d = 7.15194e-3, rho = 0.01, z = 0.048, method = \"stable\" }\n[SOX]\no = { from = \"a\" }\n[gesture]\n\
+                w = { noise = 0.0143039, f = 113.859, to = 1 }\n";
+    let scene = audited(text);
+    let mut p = Performance::new(&scene, None).expect("it plays");
+    (0..48_000).for_each(|_| p.tick());
+    assert!(made(&p.state) <= 1e-11, "made {:e}", made(&p.state));
+}
+
+/// Links solved together: friction that drops out has neither force nor heat, and a plectrum that lets go loses its energy as heat.
+#[test]
+fn what_drops_out_of_links_solved_together_is_entered() {
+    let drops = "[SOL]\nw = {}\n[MAS]\na = { m = 1e-3, v = 1 }\nb = { m = 1e-3, v = -1 }\n[CUB]\ns = { between = [\"w\", \"b\"], \
+                 k = 1e3, k3 = 0, method = \"stable\" }\n[BUT]\nc = { between = [\"w\", \"a\"], k = 1e3, d = -10, method = \"stable\" }\n[LNL]\n\
+                 l = { between = [\"a\", \"b\"], friction = [[-3, 0], [-1, -1], [0, 0], [3, 0]], method = \"stable\" }\n[SOX]\n\
+                 o = { from = \"a\" }\n[SOF]\nf = { from = \"l\" }\n";
+    let plectrum = "[SOL]\nw = {}\n[MAS]\na = { m = 1e-3, v = 1 }\n[PLK]\np = { between = [\"w\", \"a\"], k = 1e3, d = 5e-4, \
+                    method = \"stable\" }\n[CUB]\ns = { between = [\"w\", \"a\"], k = 1e3, k3 = 0, method = \"stable\" }\n[SOX]\no = { from = \"a\" }\n";
+    for text in [drops, plectrum] {
+        let scene = audited(text);
+        let s = only_falls(&scene, 12_000, 1e-11, text, |_| {});
+        assert!(made(&s) <= 1e-11, "made {:e}\n{text}", made(&s));
+        assert!(heat(&scene, &s) > 1e-5, "{:e}", heat(&scene, &s));
+    }
+}
+
 /// The message names another method where this one does not serve.
 #[test]
 fn where_it_does_not_serve_is_said() {

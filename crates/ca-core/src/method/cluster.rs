@@ -136,25 +136,27 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
     for step in 0..STEPS {
         let full = step < SEARCHED || solved || !shortened(all, &to.layout.tables);
         for t in &mut *all {
-            t.last = [t.at, t.p, R::ZERO];
             if let Some(curve) = t.curve {
                 let [push, slope] = push(t, curve, &to.layout.tables);
-                t.last[2] = push - t.p;
+                t.last = [t.at, t.p, push - t.p];
                 // of a force that falls only the value counts
                 t.stiff = slope.max(R::ZERO);
                 t.bias = push - t.stiff * t.at;
-            } else if t.part == Part::LeftOut {
-                (t.bias, t.stiff) = (R::ZERO, R::ZERO);
             } else {
-                (t.bias, t.stiff) = (t.gamma * t.psi, R::of(0.25) * t.gamma * t.gamma + R::of(0.5) * t.z);
+                t.last = [t.at, t.p, R::ZERO];
+                let [bias, stiff] = [t.gamma * t.psi, R::of(0.25) * t.gamma * t.gamma + R::of(0.5) * t.z];
+                (t.bias, t.stiff) = if t.part == Part::LeftOut { (R::ZERO, R::ZERO) } else { (bias, stiff) };
             }
-            t.diag = t.own + R::of(1.0) / t.stiff;
-            t.y = R::ZERO;
+            if t.stiff > R::ZERO {
+                t.diag = t.own + R::of(1.0) / t.stiff;
+            }
         }
         let acting = gathered(all, |t| t.stiff > R::ZERO);
-        conjugate(all, acting, to);
-        for t in &mut *all {
-            t.p = t.bias + t.y;
+        // without slope a push is its bias
+        let pushing = acting + gathered(&mut all[acting..], |t| t.bias != R::ZERO);
+        conjugate(&mut all[..pushing], acting, to);
+        for (i, t) in all.iter_mut().enumerate() {
+            t.p = if i < acting { t.bias + t.y } else { t.bias };
         }
         respond(all, to);
         let (mut again, mut worst, mut moves, mut far) = (false, R::ZERO, R::ZERO, R::ZERO);

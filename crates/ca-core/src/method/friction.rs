@@ -144,6 +144,10 @@ fn gather<R: Real, P: Curve<C>, G: Measure, const C: usize>(op: &Op<R>, layout: 
         let at = if G::SPACE { layout.links.reach[op.ports.reach + i] } else { [R::ZERO; 4] };
         let measured = G::measure(&s.x, &s.d, ends, &at);
         let z = P::chord(&coef, &layout.tables, measured.w).max(R::ZERO);
+        s.links.mem[op.mem + 2 * i + 1] = R::ZERO;
+        if op.form.tap {
+            s.links.tap[op.tap + i] = R::ZERO;
+        }
         let link = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());
         join(s, ActiveContact { z, ..link });
     }

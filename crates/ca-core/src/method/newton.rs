@@ -5,8 +5,10 @@
 
 use crate::numeric::{Precision, Real};
 
-/// More is never taken: halving alone leaves nothing of a double's 53 bits.
-const STEPS: usize = 64;
+/// More is never taken. From [`HALVED`] on every second step is a halving, and these alone leave nothing of a double's 53 bits:
+/// between two kinks Newton's steps may go to and fro for ever.
+const STEPS: usize = 128;
+const HALVED: usize = 16;
 /// A step this small, as part of the place, is the last: the next would be its square.
 const NEAR: f64 = 1e-9;
 
@@ -14,14 +16,15 @@ const NEAR: f64 = 1e-9;
 /// `scale` or the place itself.
 #[inline]
 pub fn root<R: Real>(mut s: R, [mut low, mut high]: [R; 2], scale: R, at: impl Fn(R) -> (R, R)) -> R {
-    for _ in 0..STEPS {
+    for step in 0..STEPS {
         let (value, slope) = at(s);
         let to = s - value / slope;
         if (to - s).abs() <= R::of(NEAR) * scale.max(s.abs()) {
             return derived(to.max(low).min(high), at);
         }
         (low, high) = if value > R::ZERO { (low, s) } else { (s, high) };
-        s = if low < to && to < high { to } else { R::of(0.5) * (low + high) };
+        let halves = step >= HALVED && step % 2 == 0;
+        s = if low < to && to < high && !halves { to } else { R::of(0.5) * (low + high) };
     }
     derived(s, at)
 }

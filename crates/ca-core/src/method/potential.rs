@@ -157,9 +157,11 @@ fn pull<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(op: &Op<R>,
             let [force, rise] = P::mean(&link.numbers, tables, a, s);
             (s - goal + h * force, one + h * rise)
         });
+        // the last step may have crossed a kink
         let [mean, rise] = P::mean(&link.numbers, tables, a, to);
+        let more = (goal - h * mean - to) / (one + h * rise);
         // of a stiff link the place has more digits than the force at it
-        let elastic = if h * rise > one { (goal - to) / h } else { mean };
+        let elastic = if h * rise > one { (goal - to - more) / h } else { mean + rise * more };
         let moved = (free - a - c * elastic) / (one + beta);
         let force = elastic + half * z * moved;
         s.f[p] += force;

@@ -27,7 +27,8 @@ pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mu
     let (acting, left_out) = all.split_at_mut(acting);
     for t in &mut *acting {
         if t.curve.is_some() {
-            s.links.mem[t.mem] = cluster::heat(t, &layout.tables);
+            // beside what it gave up at the beginning of the tick
+            s.links.mem[t.mem] += cluster::heat(t, &layout.tables);
         } else {
             quadratised::keep(t, &mut s.links.mem);
         }
