@@ -14,8 +14,7 @@
 //! `sticky = false` a pull is left out: h is 0 there, and what U loses is heat.
 
 use super::spring::{Contact, Spring};
-use super::system::{Response, conjugate, enter, reach, respond};
-use super::together::gathered;
+use super::system::{Response, conjugate, enter, gathered, reach, respond};
 use crate::numeric::{Precision, Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};

@@ -147,3 +147,15 @@ pub(super) fn conjugate<R: Real, const MODES: bool>(
         }
     }
 }
+
+/// Brings the links that `are` so to the front, and counts them.
+pub(super) fn gathered<R: Real>(all: &mut [ActiveContact<R>], are: impl Fn(&ActiveContact<R>) -> bool) -> usize {
+    let mut n = 0;
+    for i in 0..all.len() {
+        if are(&all[i]) {
+            all.swap(i, n);
+            n += 1;
+        }
+    }
+    n
+}

@@ -1,6 +1,6 @@
 //! The pass that solves for all links gathered in a tick and applies their pushes.
 
-use super::system::{Response, respond};
+use super::system::{Response, gathered, respond};
 use super::{cluster, quadratised};
 use crate::numeric::Real;
 use crate::op::Op;
@@ -45,18 +45,6 @@ pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mu
     for t in &all[left_out] {
         quadratised::follow(t, &mut s.links.mem);
     }
-}
-
-/// Brings the links that `are` so to the front, and counts them.
-pub(super) fn gathered<R: Real>(all: &mut [ActiveContact<R>], are: impl Fn(&ActiveContact<R>) -> bool) -> usize {
-    let mut n = 0;
-    for i in 0..all.len() {
-        if are(&all[i]) {
-            all.swap(i, n);
-            n += 1;
-        }
-    }
-    n
 }
 
 /// Applies the push of a link to its ends.
