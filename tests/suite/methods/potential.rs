@@ -86,6 +86,9 @@ fn nothing_is_made_where_masses_are_shared() {
                 let scene = audited(&text);
                 assert_eq!(scene.certificate.level, Level::Proven, "{text}");
                 assert!(ran(&scene).iter().any(|law| law.ends_with("stable, shared")), "{:?}", ran(&scene));
+                // beside friction contacts go by their ψ
+                let contact = if more.is_empty() { "BUT stable, shared" } else { "BUT stable3d" };
+                assert!(ran(&scene).contains(&contact), "{:?}", ran(&scene));
                 let s = only_falls(&scene, 20_000, room, &text, |_| {});
                 let made = made(&s);
                 most = most.max(made);

@@ -242,11 +242,27 @@ fn strongest(scene: &Scene, s: &State) -> f64 {
     forces.fold(0.0, f64::max)
 }
 
+/// The largest kT²/m of a link by the slope that its law says.
+fn stiffest(scene: &Scene, s: &State) -> f64 {
+    let laws = scene.passes.forces.iter().filter_map(|op| Some((op, op.law?)));
+    let mobility = |end: u32| s.coef[2 * scene.counts.n_mat + end as usize];
+    let all = laws.flat_map(|(op, law)| {
+        (0..op.n).map(move |i| {
+            let c: Vec<f64> = (0..law.coefs).map(|k| s.coef[op.coef + k * op.n + i]).collect();
+            let ends: f64 = scene.links.ends[op.first + i].into_iter().map(mobility).sum();
+            (law.at_load.bound)(&c, &scene.tables).k * ends
+        })
+    });
+    all.fold(0.0, f64::max)
+}
+
 fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
     let (mut s, mut rng) = (scene.state(), Random(0x2545_f491_4f6c_dd1d));
     let mut released = f64::INFINITY;
     let (mut far, mut pull): (f64, f64) = (1.0, 0.0);
     let hand = scene.input("hand").expect("a hand");
+    // the rounding of the force of a hard contact, as in `methods::shared`
+    let rounding = ROOM.max(1e-14 * stiffest(scene, &s));
     for n in 0..ticks {
         let moves = n < ticks / 4 * 3;
         for (i, v) in s.input.iter_mut().enumerate() {
@@ -271,7 +287,7 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
         // what nothing holds drifts away, and the last digit of where it stands is work of each force on it
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
         pull = pull.max(strongest(scene, &s));
-        let room = ROOM * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
+        let room = rounding * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
         // an explicit damper at a port that is jerked may hold less than nothing (docs/numerics.md §2.1)
         let least = if scene.inputs.len() > 1 { f64::NEG_INFINITY } else { -room };
         assert!(b.h >= least && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");

@@ -55,30 +55,41 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     }
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
+    refuse_shared(model, net, &shared, &mut reported, diags);
     // friction at shared masses is solved with the contacts of §3.4, whose system is linear as its own
-    let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact;
+    let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact && !on_lines_alone(l);
     let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
+    together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
+}
+
+/// True of a law whose method is for lines alone.
+fn on_lines_alone(l: &LiaNode) -> bool {
+    matches!(l.law.stage, SolveStage::Single(laws) if laws.space.is_none())
+}
+
+/// Refuses laws whose method is for lines alone in space, and where they share a mass though their force falls: such a step may have
+/// several solutions.
+fn refuse_shared(model: &Model, net: &Pruned, shared: &[bool], reported: &mut BTreeSet<u32>, diags: &mut Diags) {
+    let links = || net.lias.iter().zip(shared).zip(0usize..).filter(|((l, shared), _)| **shared && on_lines_alone(l));
+    if links().next().is_none() {
+        return;
+    }
     let bounds = worst_bounds(net);
-    for (l, b) in net.lias.iter().zip(&bounds).zip(&shared).filter(|(_, shared)| **shared).map(|(l, _)| l) {
+    for ((l, _), i) in links() {
         let SolveStage::Single(laws) = l.law.stage else { continue };
-        let (title, label, help) = match laws.line {
-            _ if matches!(l.measure, Measure::Radial) && laws.space.is_none() => {
-                let title = format!("the method of `{}` is for links on a line", l.name);
-                (title, "in space", "use `method = \"ca\"`, or `along` for a difference along one direction")
-            }
-            // of a force that falls the step may have several solutions
-            line if laws.space.is_none() && (line.is_none() || b.active) => {
-                let title =
-                    format!("the force of `{}` falls, and other links by such a method move its masses", l.name);
-                (title, "not together with others", "use `method = \"ca\"` for this one")
-            }
-            _ => continue,
+        let (title, label, help) = if l.measure == Measure::Radial {
+            let title = format!("the method of `{}` is for links on a line", l.name);
+            (title, "in space", "use `method = \"ca\"`, or `along` for a difference along one direction")
+        } else if laws.line.is_none() || bounds[i].active {
+            let title = format!("the force of `{}` falls, and other links by such a method move its masses", l.name);
+            (title, "not together with others", "use `method = \"ca\"` for this one")
+        } else {
+            continue;
         };
         if reported.insert(l.item) {
             diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
         }
     }
-    together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
 }
 
 /// The same for links at masses of groups that have become modes: a force on one of them moves all of its group. Contacts beyond

@@ -7,8 +7,8 @@
 //! ```
 //! with s the change of penetration over two ticks, s* the change by all other forces, a the penetration before and W = T² G M⁻¹ Gᵀ. A
 //! rising force makes h rise, so the step is the minimum of a strictly convex function and has one solution. Newton's method finds
-//! it, with a line search: with the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the linear system of [`super::quadratised`], which therefore also
-//! takes contacts in space and friction that share masses with these. Contacts without slope do not enter.
+//! it, with a line search: with the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the linear system of `system.rs`, which
+//! therefore also takes contacts in space and friction that share masses with these. A contact without slope pushes by its bias.
 //!
 //! The energy held is U of the true penetration, so nothing drifts from it, and the balance holds for every stiffness. With
 //! `sticky = false` a pull is left out: h is 0 there, and what U loses is heat.
@@ -28,7 +28,7 @@ const STEPS: usize = 100;
 const SEARCHED: usize = 4;
 const SHORTER: usize = 20;
 
-/// When a step is the last one, as parts of a motion.
+/// The sizes of a last step, as parts of a motion.
 struct Near<R> {
     /// it changes each motion by no more
     last: R,

@@ -1,7 +1,7 @@
 //! Newton: the root of a rising function between two bounds, in a number of steps that has an end.
 //!
-//! Decides for Newton's step where it stays between the bounds and halving where it does not, so that a kink or a flat
-//! place costs a step and never the root; what is returned lies between the bounds whatever the function is.
+//! Decides for Newton's step where it stays between the bounds and halving where it does not, and for every second step once there
+//! were many, so that a kink or a flat place costs steps and never the root. The root lies between the bounds whatever the function is.
 
 use crate::numeric::{Precision, Real};
 

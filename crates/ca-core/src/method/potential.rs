@@ -15,7 +15,7 @@ use super::{free_motion, mobility};
 use crate::numeric::{Real, Table};
 use crate::op::account::numbers;
 use crate::op::layout::{Layout, MeasureKind};
-use crate::op::links::measure::{Along, Line, Measure, Radial};
+use crate::op::links::measure::{Along, Line, Measure};
 use crate::op::{Cheaper, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, COEFS, Curve};
@@ -109,8 +109,8 @@ pub const fn shared_fns<R: Real, P: Potential<C, M>, const C: usize, const M: us
 fn kernel<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
     match form.measure {
         MeasureKind::Line => gather::<R, P, Line, C, M>,
-        MeasureKind::Along => gather::<R, P, Along, C, M>,
-        MeasureKind::Radial => gather::<R, P, Radial, C, M>,
+        // a distance in space is refused by the compiler
+        MeasureKind::Along | MeasureKind::Radial => gather::<R, P, Along, C, M>,
     }
 }
 

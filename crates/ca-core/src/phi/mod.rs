@@ -73,6 +73,7 @@ crate::choice::choice! {
         Stable3d = "stable3d",
     }
 }
+
 crate::choice::choice! {
     /// The method of a law that acts on both sides.
     pub enum ElasticMethod {
